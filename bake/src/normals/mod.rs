@@ -1,0 +1,5 @@
+//! From planes to unit normals.
+
+mod map;
+
+pub use map::NormalMap;

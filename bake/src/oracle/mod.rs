@@ -1,0 +1,1 @@
+//! Plain f64 answers from normals, never from baked bytes.

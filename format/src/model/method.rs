@@ -1,0 +1,89 @@
+//! The methods a package can be baked for, by name and by number.
+
+/// A way to answer P-NDF queries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(u16)]
+pub enum Method {
+    /// Binned NDF over an inverse bin map, Beckmann flakes \[AWKK21\].
+    FlakeBins = 1,
+    /// Equal-solid-angle bins over an inverse bin map, specular flakes \[ABKK20\].
+    SpecularBins = 2,
+}
+
+/// Every method this version knows, in order of its code.
+pub const METHODS: &[Method] = &[Method::FlakeBins, Method::SpecularBins];
+
+impl Method {
+    /// The method stored as `code`, if this version knows it.
+    pub fn from_code(code: u16) -> Option<Self> {
+        METHODS.iter().copied().find(|method| method.code() == code)
+    }
+
+    /// The method called `name` on the command line, if this version knows it.
+    pub fn from_name(name: &str) -> Option<Self> {
+        METHODS.iter().copied().find(|method| method.name() == name)
+    }
+
+    /// The number stored in an instance record.
+    pub const fn code(self) -> u16 {
+        self as u16
+    }
+
+    /// The word used on the command line, in metadata and as the name of this method's room in every crate.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::FlakeBins => "flake-bins",
+            Self::SpecularBins => "specular-bins",
+        }
+    }
+
+    /// The kernel its answers are densities of; answers of two methods compare only within one kernel.
+    pub const fn kernel(self) -> Kernel {
+        match self {
+            Self::FlakeBins => Kernel::Beckmann,
+            Self::SpecularBins => Kernel::BinAverage,
+        }
+    }
+}
+
+/// The distribution each texel's normal is spread by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u16)]
+pub enum Kernel {
+    /// Beckmann distribution about each texel's normal; texture area is microfacet area.
+    Beckmann = 1,
+    /// No kernel: the density averaged over the half vector's bin.
+    BinAverage = 2,
+}
+
+impl Kernel {
+    /// The kernel stored as `code`, if this version knows it.
+    pub const fn from_code(code: u16) -> Option<Self> {
+        match code {
+            1 => Some(Self::Beckmann),
+            2 => Some(Self::BinAverage),
+            _ => None,
+        }
+    }
+
+    /// The word used in metadata and in the header of query results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Beckmann => "beckmann",
+            Self::BinAverage => "bin-average",
+        }
+    }
+}
+
+/// Beckmann roughness α of a flake whose normals spread with standard deviation `sigma` on the projected disk.
+///
+/// `α = √2 σr` (Heitz 2014, slope variance of the Beckmann distribution); meant near the pole, where slopes and
+/// projected normals agree.
+pub fn beckmann_from_intrinsic(sigma: f64) -> f64 {
+    core::f64::consts::SQRT_2 * sigma
+}
+
+/// Intrinsic roughness σr that corresponds to Beckmann roughness `alpha`; the inverse of [`beckmann_from_intrinsic`].
+pub fn intrinsic_from_beckmann(alpha: f64) -> f64 {
+    alpha / core::f64::consts::SQRT_2
+}

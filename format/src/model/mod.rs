@@ -1,0 +1,13 @@
+//! What the stored numbers mean: words shared by the baker, the runtime and the readers of this specification.
+//!
+//! No algorithm over texels lives here, only the definitions a reader of a package must agree on.
+
+mod bins;
+mod footprint;
+mod method;
+mod normal;
+
+pub use bins::{BinGrid, Binning, Neighbourhood, disk_grid_resolution};
+pub use footprint::{Filter, Footprint, MAX_EDGE_TILES, Wrap};
+pub use method::{Kernel, METHODS, Method, beckmann_from_intrinsic, intrinsic_from_beckmann};
+pub use normal::HalfVector;
