@@ -4,10 +4,12 @@
 
 mod bins;
 mod footprint;
+mod forest;
 mod method;
 mod normal;
 
 pub use bins::{BinGrid, Binning, Neighbourhood, disk_grid_resolution};
 pub use footprint::{Filter, Footprint, MAX_EDGE_TILES, Wrap};
+pub use forest::{ForestShape, morton_index};
 pub use method::{Kernel, METHODS, Method, beckmann_from_intrinsic, intrinsic_from_beckmann};
 pub use normal::HalfVector;

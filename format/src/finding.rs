@@ -1,0 +1,210 @@
+//! What can be wrong with a package: one numbered list for opening, verifying and querying.
+
+use crate::section::SectionId;
+use core::fmt;
+
+/// Defines [`Fault`] and its texts in one table, so that a number, a sentence and its place cannot drift apart.
+macro_rules! faults {
+    ($($(#[doc = $doc:literal])+ $name:ident = $number:literal, $text:literal;)+) => {
+        /// A kind of fault, with a stable number: 1xxx header, 2xxx section table and padding, 3xxx bins,
+        /// 4xxx instances, 5xxx contents against checksums.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[repr(u16)]
+        pub enum Fault { $($(#[doc = $doc])+ $name = $number,)+ }
+
+        impl Fault {
+            /// Every fault, in order of its number.
+            pub const ALL: &'static [Self] = &[$(Self::$name,)+];
+
+            /// A sentence that says what is wrong.
+            pub const fn text(self) -> &'static str {
+                match self { $(Self::$name => $text,)+ }
+            }
+        }
+    };
+}
+
+faults! {
+    /// Fewer bytes than a header.
+    TooShort = 1001, "the file is shorter than a package header";
+    /// The magic bytes are not a package's.
+    NotAPackage = 1002, "the file does not begin like a glintbake package";
+    /// Another major version.
+    UnsupportedVersion = 1003, "the package has another major version than this reader; use the glintbake release that wrote it, or bake again";
+    /// The header's checksum is wrong.
+    HeaderChecksum = 1004, "the header is damaged: its checksum does not match; bake again or restore the file";
+    /// The header names another file length: most often a truncated file.
+    FileLength = 1005, "the file is not as long as its header says; it was cut short or appended to";
+    /// A header field has a value this version does not allow.
+    HeaderField = 1006, "a header field has a value that this version does not allow";
+    /// The package needs a feature this reader does not know.
+    UnknownFeature = 1007, "the package needs a feature that this reader does not know; use a newer glintbake";
+
+    /// The table does not fit the file.
+    TableBounds = 2001, "the section table does not fit the file";
+    /// The table's checksum is wrong.
+    TableChecksum = 2002, "the section table is damaged: its checksum does not match; bake again or restore the file";
+    /// Entries out of order, or two of one name.
+    TableOrder = 2003, "section entries are not in strict order of layer, instance, kind and ordinal";
+    /// Length is not element size times count.
+    SectionLength = 2004, "the section's length is not its element size times its element count";
+    /// Offset not where the section before it ends, rounded up to 256.
+    SectionOffset = 2005, "the section does not start where the one before it ends, rounded up to 256";
+    /// The last section ends before or after the file.
+    SectionEnd = 2006, "the last section does not end where the file ends";
+    /// A critical section of a kind this reader does not know.
+    UnknownSection = 2007, "a section that must be understood is of an unknown kind; use a newer glintbake";
+    /// Element size or schema is not this reader's.
+    SectionSchema = 2008, "the section's element size or schema is not one this reader knows";
+    /// A reserved field or flag is not zero.
+    ReservedNotZero = 2009, "a reserved field is not zero";
+    /// Padding between sections is not zero.
+    PaddingNotZero = 2010, "a padding byte between sections is not zero";
+    /// A section the instance needs is absent.
+    SectionMissing = 2011, "a section that the instance needs is missing";
+    /// A section's element count does not fit the map or another section.
+    SectionCount = 2012, "the section's element count does not fit the map";
+
+    /// A bin map key beyond the index.
+    KeyRange = 3001, "a bin map key lies beyond the index";
+    /// Index offsets fall or leave the inverse bin map.
+    IndexOrder = 3002, "index offsets fall, or do not run from zero to the number of texels";
+    /// Occupied bins out of order or beyond the grid.
+    OccupiedBins = 3003, "occupied bins are not strictly rising numbers of the grid";
+    /// A texel position outside the map.
+    PositionRange = 3004, "a texel position lies outside the map";
+    /// A list holds a texel of another bin.
+    PositionKey = 3005, "a list of the inverse bin map holds a texel of another bin";
+    /// A list is not in strict Morton order.
+    PositionOrder = 3006, "a list of the inverse bin map is not in strict Morton order";
+    /// A forest box is not the tight box of its texels.
+    ForestBox = 3007, "a forest box is not the bounding box of its texels";
+    /// An unused forest slot is not zero.
+    ForestUnused = 3008, "an unused forest slot is not zero";
+    /// A forest is deeper than any map needs.
+    ForestDepth = 3009, "a forest tree is deeper than any map needs";
+
+    /// The instance's numbers contradict themselves or this version.
+    InstanceField = 4001, "an instance record has a value that this version does not allow";
+    /// The instance is not numbered as its place demands.
+    InstanceNumber = 4002, "instance records are not numbered from one in order";
+    /// The instance's method is unknown to this reader.
+    UnknownMethod = 4003, "the instance was baked for a method that this reader does not know; use a newer glintbake";
+    /// The metadata is too long or not UTF-8.
+    Metadata = 4004, "the metadata is longer than a mebibyte or not UTF-8";
+
+    /// A section's bytes do not match its checksum.
+    SectionChecksum = 5001, "the section is damaged: its checksum does not match; bake again or restore the file";
+    /// The content hash does not match.
+    ContentHash = 5002, "the content is damaged: its BLAKE3 hash does not match; bake again or restore the file";
+}
+
+impl Fault {
+    /// The stable number that scripts may rely on.
+    pub const fn number(self) -> u16 {
+        self as u16
+    }
+}
+
+/// One fault with its place: section, element, expected and found value, as far as they apply.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Finding {
+    /// What is wrong.
+    pub fault: Fault,
+    /// In which section.
+    pub section: Option<SectionId>,
+    /// At which element of the section or byte of the file.
+    pub element: Option<u64>,
+    /// What should stand there.
+    pub expected: Option<u64>,
+    /// What stands there.
+    pub got: Option<u64>,
+}
+
+impl Finding {
+    /// A finding of `fault` in the file as a whole.
+    pub const fn new(fault: Fault) -> Self {
+        Self {
+            fault,
+            section: None,
+            element: None,
+            expected: None,
+            got: None,
+        }
+    }
+
+    /// The same finding in `section`.
+    pub const fn within(mut self, section: SectionId) -> Self {
+        self.section = Some(section);
+        self
+    }
+
+    /// The same finding at `element`.
+    pub const fn at(mut self, element: u64) -> Self {
+        self.element = Some(element);
+        self
+    }
+
+    /// The same finding with the value that should stand there and the one that does.
+    pub const fn values(mut self, expected: u64, got: u64) -> Self {
+        self.expected = Some(expected);
+        self.got = Some(got);
+        self
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "[{}] ", self.fault.number())?;
+        if let Some(section) = self.section {
+            write!(f, "section {section}: ")?;
+        }
+        f.write_str(self.fault.text())?;
+        let mut separator = " (";
+        for (word, value) in [
+            ("at", self.element),
+            ("expected", self.expected),
+            ("got", self.got),
+        ] {
+            if let Some(value) = value {
+                write!(f, "{separator}{word} {value}")?;
+                separator = ", ";
+            }
+        }
+        if separator == ", " {
+            f.write_str(")")?;
+        }
+        Ok(())
+    }
+}
+
+impl core::error::Error for Finding {}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::section::FourCc;
+
+    #[test]
+    fn numbers_rise_strictly_so_that_none_is_given_twice() {
+        assert!(
+            Fault::ALL
+                .windows(2)
+                .all(|pair| pair[0].number() < pair[1].number())
+        );
+    }
+
+    #[test]
+    fn display_names_number_section_place_and_values() {
+        let section = SectionId::of_instance(0, 2, FourCc(*b"BMAP"));
+        let finding = Finding::new(Fault::KeyRange)
+            .within(section)
+            .at(7)
+            .values(3, 9);
+        assert_eq!(
+            std::format!("{finding}"),
+            "[3001] section BMAP of instance 2: a bin map key lies beyond the index (at 7, expected 3, got 9)"
+        );
+    }
+}

@@ -1,0 +1,49 @@
+//! The records inside sections, one file each, and the table of all kinds.
+
+mod bins;
+mod instance;
+
+pub use bins::{BoxRecord, ExactNormal, ForestNode, TexelPosition};
+pub use instance::{IndexKind, Instance, InstanceRecord};
+
+use crate::section::FourCc;
+
+/// Instance records: one per method and recipe, what a reader needs to find its way. Critical.
+pub const INSTANCES: FourCc = FourCc(*b"INST");
+/// Metadata: UTF-8 JSON with sorted keys; the runtime never needs it.
+pub const METADATA: FourCc = FourCc(*b"META");
+/// Bin map: one key per texel, row-major, 2 or 4 bytes each.
+pub const BIN_MAP: FourCc = FourCc(*b"BMAP");
+/// Occupied bins: the bin number of each key of a sparse index, rising.
+pub const OCCUPIED_BINS: FourCc = FourCc(*b"BINS");
+/// Index: for each key the start of its list in the inverse bin map, and the number of texels at the end.
+pub const INDEX: FourCc = FourCc(*b"INDX");
+/// Inverse bin map: the positions of all texels, sorted by key, within a key in Morton order.
+pub const INVERSE_BIN_MAP: FourCc = FourCc(*b"IBMP");
+/// Forest: bounding boxes over the long lists of the inverse bin map.
+pub const FOREST: FourCc = FourCc(*b"FRST");
+/// Exact normals: where in its bin each texel's normal lies, row-major.
+pub const EXACT_NORMALS: FourCc = FourCc(*b"EXNM");
+
+/// The schema version of every section of this major version so far.
+pub const SCHEMA: u32 = 1;
+
+/// Element sizes of each known kind under schema 1.
+const KINDS: &[(FourCc, &[u32])] = &[
+    (INSTANCES, &[64]),
+    (METADATA, &[1]),
+    (BIN_MAP, &[2, 4]),
+    (OCCUPIED_BINS, &[4]),
+    (INDEX, &[4]),
+    (INVERSE_BIN_MAP, &[4]),
+    (FOREST, &[16]),
+    (EXACT_NORMALS, &[4]),
+];
+
+/// The element sizes a section of `kind` may have, or `None` if this version does not know the kind.
+pub fn element_sizes(kind: FourCc) -> Option<&'static [u32]> {
+    KINDS
+        .iter()
+        .find(|(known, _)| *known == kind)
+        .map(|(_, sizes)| *sizes)
+}
