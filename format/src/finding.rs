@@ -81,8 +81,6 @@ faults! {
     ForestBox = 3007, "a forest box is not the bounding box of its texels";
     /// An unused forest slot is not zero.
     ForestUnused = 3008, "an unused forest slot is not zero";
-    /// A forest is deeper than any map needs.
-    ForestDepth = 3009, "a forest tree is deeper than any map needs";
 
     /// The instance's numbers contradict themselves or this version.
     InstanceField = 4001, "an instance record has a value that this version does not allow";

@@ -20,6 +20,7 @@ pub mod model;
 pub mod records;
 mod section;
 pub mod version;
+pub mod view;
 
 pub use container::Container;
 pub use finding::{Fault, Finding};

@@ -1,0 +1,12 @@
+//! Typed views of sections: what the bytes of a package say, bounds-checked as they are read.
+//!
+//! Opening a view checks element counts, O(1); every later read checks its own bounds, as mapped bytes may change
+//! under a reader. Nothing here panics or loops over more than it was asked for.
+
+mod bin_index;
+mod bin_map;
+mod bin_tables;
+
+pub use bin_index::BinIndex;
+pub use bin_map::BinMap;
+pub use bin_tables::BinTables;

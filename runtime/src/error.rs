@@ -1,0 +1,73 @@
+//! Why a query has no answer.
+
+use core::fmt;
+use glintbake_format::model::{Filter, MAX_EDGE_TILES, Method};
+use glintbake_format::{Finding, FourCc};
+
+/// Why a query has no answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum QueryError {
+    /// A coordinate of the footprint or the half vector is NaN or infinite. Check the caller's ray differentials.
+    NotFinite,
+    /// The footprint spans more tiles than [`MAX_EDGE_TILES`]. Query a footprint of one whole tile instead.
+    FootprintTooLarge,
+    /// A scan of the footprint would visit more texels than the limit. Use a binned setting, which need not scan.
+    TooManyTexels {
+        /// Texels the footprint covers, at least.
+        texels: u64,
+    },
+    /// The method does not answer for this filter.
+    FilterUnsupported(Method, Filter),
+    /// The setting means nothing for this method.
+    SettingUnsupported(Method),
+    /// The package was baked without a section that this query needs.
+    NotBaked {
+        /// Kind of the absent section.
+        section: FourCc,
+        /// The option of `glintbake bake` that adds it.
+        option: &'static str,
+    },
+    /// No instance of the package has this number.
+    NoSuchInstance(u16),
+    /// The package is damaged. Verify it, then bake it again.
+    Damaged(Finding),
+}
+
+impl From<Finding> for QueryError {
+    fn from(finding: Finding) -> Self {
+        Self::Damaged(finding)
+    }
+}
+
+impl fmt::Display for QueryError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotFinite => f.write_str("a coordinate of the query is not a finite number"),
+            Self::FootprintTooLarge => write!(
+                f,
+                "the footprint spans more than {MAX_EDGE_TILES} tiles; query one whole tile for the map's average"
+            ),
+            Self::TooManyTexels { texels } => write!(
+                f,
+                "the exact setting would scan {texels} texels; use the binned setting for footprints this large"
+            ),
+            Self::FilterUnsupported(method, filter) => write!(
+                f,
+                "{} does not answer for {} footprints; use the box filter",
+                method.name(),
+                filter.name()
+            ),
+            Self::SettingUnsupported(method) => {
+                write!(f, "{} has no such setting; leave it out", method.name())
+            }
+            Self::NotBaked { section, option } => write!(
+                f,
+                "the package has no section {section}; bake it with {option}"
+            ),
+            Self::NoSuchInstance(number) => write!(f, "the package has no instance {number}"),
+            Self::Damaged(finding) => write!(f, "the package is damaged: {finding}"),
+        }
+    }
+}
+
+impl core::error::Error for QueryError {}

@@ -1,0 +1,6 @@
+//! What turns a P-NDF into a BRDF: distribution, masking, Fresnel, and the glue between them.
+
+pub mod beckmann;
+pub mod brdf;
+pub mod fresnel;
+pub(crate) mod vector;

@@ -1,0 +1,250 @@
+//! `flake-bins`: rough flakes over an inverse bin map.
+//!
+//! Paper: \[AWKK21\] Atanasov, Wilkie, Koylazov, Křivánek, "A Multiscale Microfacet Model Based on Inverse Bin
+//! Mapping", 2021. `D(h) = Σ_j W_j D^α(h, b_j)` over the bins near h (eq. 15), or `Σ_k w_k D^α(h, t_k)` over the
+//! texels under the footprint (eq. 11).
+
+use super::bin_weights::{BinWeights, BinWindow, Lookup, map_shape};
+use super::{Facet, Ndf};
+use crate::error::QueryError;
+use crate::microfacet::beckmann;
+use crate::microfacet::vector::dot;
+use crate::overlap::Parallelogram;
+use glintbake_format::model::{Footprint, HalfVector, Neighbourhood};
+use glintbake_format::records::{EXACT_NORMALS, ExactNormal, Instance};
+use glintbake_format::view::BinTables;
+use glintbake_format::{Container, Fault, Finding};
+
+/// Which of the paper's sums answers a query.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Setting {
+    /// Eq. 15: bins near the half vector, each flake at its bin's centre. Cost hardly grows with the footprint.
+    Binned(Neighbourhood),
+    /// Eq. 11: every texel under the footprint, each with its own normal. Cost is the number of texels; needs the
+    /// section of exact normals.
+    Exact,
+}
+
+impl Default for Setting {
+    fn default() -> Self {
+        Self::Binned(Neighbourhood::default())
+    }
+}
+
+impl Setting {
+    /// The word used in metadata and in the header of query results.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Binned(neighbourhood) => neighbourhood.name(),
+            Self::Exact => "exact",
+        }
+    }
+}
+
+/// The P-NDF of a `flake-bins` instance.
+#[derive(Clone, Copy, Debug)]
+pub struct FlakeBins<'a> {
+    tables: BinTables<'a>,
+    roughness: f64,
+    setting: Setting,
+    lookup: Lookup,
+}
+
+impl<'a> FlakeBins<'a> {
+    /// The P-NDF of `instance` of `container`, which must have been baked for this method.
+    ///
+    /// # Errors
+    /// [`QueryError::Damaged`] if a section is missing or of the wrong size.
+    pub fn open(container: &Container<'a>, instance: &Instance) -> Result<Self, QueryError> {
+        let roughness = instance
+            .roughness
+            .ok_or(Finding::new(Fault::InstanceField))?;
+        Ok(Self {
+            tables: BinTables::open(container, instance)?,
+            roughness,
+            setting: Setting::default(),
+            lookup: Lookup::Auto,
+        })
+    }
+
+    /// The same P-NDF under `setting`.
+    ///
+    /// # Errors
+    /// [`QueryError::NotBaked`] if `setting` is [`Setting::Exact`] and the package has no exact normals.
+    pub fn with_setting(mut self, setting: Setting) -> Result<Self, QueryError> {
+        if setting == Setting::Exact {
+            self.exact_normals()?;
+        }
+        self.setting = setting;
+        Ok(self)
+    }
+
+    /// The same P-NDF, its bin weights found by `lookup`; every choice gives the same weights within rounding.
+    #[must_use]
+    pub fn with_lookup(mut self, lookup: Lookup) -> Self {
+        self.lookup = lookup;
+        self
+    }
+
+    /// The setting queries are answered under.
+    pub const fn setting(&self) -> Setting {
+        self.setting
+    }
+
+    /// Calls `visit(column, row, weight)` for the bins of the neighbourhood around `half_vector`'s bin that have
+    /// weight over `footprint`: the `W_j` of \[AWKK21\] eq. 13.
+    ///
+    /// # Errors
+    /// As [`Ndf::facets`].
+    pub fn bin_weights(
+        &self,
+        footprint: &Footprint,
+        half_vector: HalfVector,
+        neighbourhood: Neighbourhood,
+        visit: &mut dyn FnMut(u32, u32, f64),
+    ) -> Result<(), QueryError> {
+        let (column, row) = self.tables.instance.grid.bin_of(half_vector);
+        let window = BinWindow {
+            column,
+            row,
+            neighbourhood: Some(neighbourhood),
+        };
+        let footprint = self.parallelogram(footprint)?;
+        let weights = BinWeights::new(&self.tables, &footprint, window, self.lookup)?;
+        for (column, row, weight) in weights.nonzero() {
+            visit(column, row, weight);
+        }
+        Ok(())
+    }
+
+    fn parallelogram(&self, footprint: &Footprint) -> Result<Parallelogram, QueryError> {
+        let Instance {
+            width,
+            height,
+            wrap,
+            ..
+        } = self.tables.instance;
+        Parallelogram::new(footprint, width, height, wrap)
+    }
+
+    fn exact_normals(&self) -> Result<&'a [ExactNormal], QueryError> {
+        self.tables.exact_normals.ok_or(QueryError::NotBaked {
+            section: EXACT_NORMALS,
+            option: "--exact-normals",
+        })
+    }
+
+    /// The normal of texel number `texel` as the setting sees it: its own, or its bin's centre.
+    fn normal_of_texel(&self, texel: usize) -> Result<[f64; 3], QueryError> {
+        let grid = self.tables.instance.grid;
+        let (column, row) = grid.column_row(self.tables.bin_of_texel(texel)?);
+        if self.setting != Setting::Exact {
+            return Ok(grid.centre(column, row));
+        }
+        let [x, y] = self
+            .exact_normals()?
+            .get(texel)
+            .ok_or(Finding::new(Fault::SectionCount))?
+            .fractions();
+        Ok(grid.normal_in_bin(column, row, x, y).direction())
+    }
+}
+
+impl Ndf for FlakeBins<'_> {
+    fn instance(&self) -> &Instance {
+        &self.tables.instance
+    }
+
+    fn facets(
+        &self,
+        footprint: &Footprint,
+        half_vector: HalfVector,
+        visit: &mut dyn FnMut(Facet),
+    ) -> Result<(), QueryError> {
+        check_finite(half_vector)?;
+        // Refuse a bad footprint whatever the half vector, so that an error does not depend on the light.
+        let parallelogram = self.parallelogram(footprint)?;
+        if !half_vector.is_on_disk() {
+            return Ok(());
+        }
+        let direction = half_vector.direction();
+        let mut emit = |normal: [f64; 3], weight: f64| {
+            let density = beckmann::density(direction, normal, self.roughness);
+            if density > 0.0 {
+                visit(Facet {
+                    normal,
+                    density,
+                    weight,
+                });
+            }
+        };
+        match self.setting {
+            Setting::Binned(neighbourhood) => {
+                let grid = self.tables.instance.grid;
+                self.bin_weights(
+                    footprint,
+                    half_vector,
+                    neighbourhood,
+                    &mut |column, row, weight| emit(grid.centre(column, row), weight),
+                )
+            }
+            Setting::Exact => {
+                map_shape(&self.tables).scan(&parallelogram, &mut |column, row, weight| {
+                    emit(
+                        self.normal_of_texel(self.tables.texel(column, row))?,
+                        weight,
+                    );
+                    Ok(())
+                })
+            }
+        }
+    }
+
+    fn sample(
+        &self,
+        footprint: &Footprint,
+        uniform: [f64; 4],
+    ) -> Result<Option<HalfVector>, QueryError> {
+        let parallelogram = self.parallelogram(footprint)?;
+        let point = parallelogram.point(uniform[0] - 0.5, uniform[1] - 0.5);
+        let (column, row) = map_shape(&self.tables).texel_at(point);
+        let texel = self.tables.texel(column, row);
+        let centre = self.normal_of_texel(texel)?;
+        let drawn = beckmann::sample(centre, self.roughness, [uniform[2], uniform[3]]);
+        if drawn[2] <= 0.0 {
+            return Ok(None);
+        }
+        let half_vector = HalfVector::from_direction(drawn);
+        if let Setting::Binned(neighbourhood) = self.setting {
+            // `eval` at the drawn vector looks no further than its neighbourhood, so neither may the sampler.
+            let grid = self.tables.instance.grid;
+            let (own_column, own_row) = grid.column_row(self.tables.bin_of_texel(texel)?);
+            let (column, row) = grid.bin_of(half_vector);
+            let dx = i64::from(own_column) - i64::from(column);
+            let dy = i64::from(own_row) - i64::from(row);
+            let limit = i64::from(neighbourhood.reach()) + 1;
+            let clamp = |distance: i64| distance.clamp(-limit, limit) as i32;
+            if !neighbourhood.holds(clamp(dx), clamp(dy)) {
+                return Ok(None);
+            }
+        }
+        Ok(half_vector.is_on_disk().then_some(half_vector))
+    }
+
+    fn pdf(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError> {
+        let direction = half_vector.direction();
+        let mut sum = 0.0;
+        self.facets(footprint, half_vector, &mut |facet| {
+            sum += facet.density * facet.weight * dot(direction, facet.normal).max(0.0);
+        })?;
+        Ok(sum)
+    }
+}
+
+pub(super) fn check_finite(half_vector: HalfVector) -> Result<(), QueryError> {
+    if half_vector.s.is_finite() && half_vector.t.is_finite() {
+        Ok(())
+    } else {
+        Err(QueryError::NotFinite)
+    }
+}

@@ -1,0 +1,158 @@
+//! The methods: each answers `eval`, `sample` and `pdf` for a footprint and a half vector.
+//!
+//! One file per method, of the method's name; [`SurfaceNdf`] is the registry.
+
+mod bin_weights;
+mod flake_bins;
+mod specular_bins;
+
+pub use flake_bins::{FlakeBins, Setting};
+pub use specular_bins::SpecularBins;
+
+use crate::error::QueryError;
+use glintbake_format::Container;
+use glintbake_format::model::{Footprint, HalfVector, Method};
+use glintbake_format::records::Instance;
+
+/// One term of a P-NDF: facets of one normal, or so near that the method treats them as one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Facet {
+    /// Unit normal the facets' own distribution is centred at.
+    pub normal: [f64; 3],
+    /// Density of that distribution at the queried half vector, per steradian: `D^α(h, normal)`.
+    pub density: f64,
+    /// Share of the footprint these facets cover, in [0, 1].
+    pub weight: f64,
+}
+
+/// The normal distribution function of the patch under a footprint.
+pub trait Ndf {
+    /// What was baked: map size, method, roughness.
+    fn instance(&self) -> &Instance;
+
+    /// Calls `visit` for every facet whose density at `half_vector` the method counts; `D` is the sum of
+    /// density × weight. This is what a BRDF needs to keep masking inside the sum, \[AWKK21\] eq. 15.
+    ///
+    /// # Errors
+    /// [`QueryError`] on footprints that are not finite or too large, and on damaged packages.
+    fn facets(
+        &self,
+        footprint: &Footprint,
+        half_vector: HalfVector,
+        visit: &mut dyn FnMut(Facet),
+    ) -> Result<(), QueryError>;
+
+    /// The density `D` of the footprint's facet normals at `half_vector`, per steradian, ≥ 0; 0 outside the disk.
+    ///
+    /// # Errors
+    /// As [`facets`](Self::facets).
+    fn eval(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError> {
+        let mut sum = 0.0;
+        self.facets(footprint, half_vector, &mut |facet| {
+            sum += facet.density * facet.weight;
+        })?;
+        Ok(sum)
+    }
+
+    /// A half vector drawn with density [`pdf`](Self::pdf) from four uniform numbers in [0, 1), or `None` with the
+    /// probability that the pdf leaves over.
+    ///
+    /// `None` is a sample of value zero, not a reason to draw again: what a method truncates (far tails, facets
+    /// below the horizon) is missing from `eval` and `pdf` alike, and an estimator that counts it as zero is
+    /// unbiased for `eval`. That makes sampler and pdf agree exactly without a table of kept masses.
+    ///
+    /// # Errors
+    /// As [`facets`](Self::facets).
+    fn sample(
+        &self,
+        footprint: &Footprint,
+        uniform: [f64; 4],
+    ) -> Result<Option<HalfVector>, QueryError>;
+
+    /// The density, per solid angle of the half vector, with which [`sample`](Self::sample) draws `half_vector`:
+    /// the sum of density × weight × (h · normal), the factor that \[AWKK21\] eq. 18 leaves out.
+    ///
+    /// # Errors
+    /// As [`facets`](Self::facets).
+    fn pdf(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError>;
+}
+
+/// The P-NDF of an instance, by whichever method it was baked for.
+#[derive(Clone, Copy, Debug)]
+pub enum SurfaceNdf<'a> {
+    /// Binned NDF over an inverse bin map, \[AWKK21\].
+    FlakeBins(FlakeBins<'a>),
+    /// Equal-solid-angle bins over an inverse bin map, \[ABKK20\].
+    SpecularBins(SpecularBins<'a>),
+}
+
+impl<'a> SurfaceNdf<'a> {
+    /// The P-NDF of `instance` of `container`.
+    ///
+    /// # Errors
+    /// [`QueryError::Damaged`] if a section is missing or of the wrong size.
+    pub fn open(container: &Container<'a>, instance: &Instance) -> Result<Self, QueryError> {
+        Ok(match instance.method {
+            Method::FlakeBins => Self::FlakeBins(FlakeBins::open(container, instance)?),
+            Method::SpecularBins => Self::SpecularBins(SpecularBins::open(container, instance)?),
+        })
+    }
+
+    /// The same P-NDF under another setting.
+    ///
+    /// # Errors
+    /// [`QueryError::SettingUnsupported`] if the method has no settings, [`QueryError::NotBaked`] if the setting
+    /// needs a section the package was baked without.
+    pub fn with_setting(self, setting: Setting) -> Result<Self, QueryError> {
+        match self {
+            Self::FlakeBins(ndf) => ndf.with_setting(setting).map(Self::FlakeBins),
+            Self::SpecularBins(_) => Err(QueryError::SettingUnsupported(Method::SpecularBins)),
+        }
+    }
+
+    /// The setting's word for the header of results, `default` where the method has none.
+    pub fn setting_name(&self) -> &'static str {
+        match self {
+            Self::FlakeBins(ndf) => ndf.setting().name(),
+            Self::SpecularBins(_) => "default",
+        }
+    }
+
+    fn method(&self) -> &dyn Ndf {
+        match self {
+            Self::FlakeBins(ndf) => ndf,
+            Self::SpecularBins(ndf) => ndf,
+        }
+    }
+}
+
+impl Ndf for SurfaceNdf<'_> {
+    fn instance(&self) -> &Instance {
+        self.method().instance()
+    }
+
+    fn facets(
+        &self,
+        footprint: &Footprint,
+        half_vector: HalfVector,
+        visit: &mut dyn FnMut(Facet),
+    ) -> Result<(), QueryError> {
+        self.method().facets(footprint, half_vector, visit)
+    }
+
+    fn eval(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError> {
+        self.method().eval(footprint, half_vector)
+    }
+
+    fn sample(
+        &self,
+        footprint: &Footprint,
+        uniform: [f64; 4],
+    ) -> Result<Option<HalfVector>, QueryError> {
+        self.method().sample(footprint, uniform)
+    }
+
+    fn pdf(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError> {
+        self.method().pdf(footprint, half_vector)
+    }
+}
