@@ -1,1 +1,30 @@
 //! Plain f64 answers from normals, never from baked bytes.
+//!
+//! Everything here follows the papers' formulas term by term and writes out its own areas, bins and densities: of
+//! `glintbake_format::model` it takes the plain words (`Footprint`, `HalfVector`, `Neighbourhood`, `Wrap`) and
+//! none of the algorithms. Where a fast path and the oracle disagree, two independent derivations disagree.
+//!
+//! | answer | function | source |
+//! |---|---|---|
+//! | texel weights `w_k` of a parallelogram | [`box_weights`] | \[AWKK21\] eq. 12 |
+//! | flake kernel `D^α(h, m)` | [`beckmann`] | \[AWKK21\] eq. 14 |
+//! | D and its pdf, Beckmann flakes | [`flake_bins`] | \[AWKK21\] eq. 11, 15, 18 |
+//! | D and its pdf, specular flakes | [`specular_bins`] | \[ABKK20\] §2 |
+//!
+//! Cost is no concern: a query visits every texel under its footprint.
+
+mod beckmann;
+mod direction;
+mod double_double;
+pub mod flake_bins;
+mod polygon;
+mod segment;
+pub mod specular_bins;
+mod texel_axis;
+mod weights;
+
+#[cfg(test)]
+mod tests;
+
+pub use beckmann::beckmann;
+pub use weights::{MAX_SPAN_TILES, TexelWeight, box_weights};
