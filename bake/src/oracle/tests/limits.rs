@@ -107,7 +107,7 @@ fn slivers_run_into_segments() {
     for share in [0.0, 0.25, -1.0] {
         let mut last = f64::INFINITY;
         for exponent in 2..=28 {
-            let width = libm::exp(-2.302_585 * f64::from(exponent));
+            let width = libm::pow(10.0, -f64::from(exponent));
             let change = change_from_segment(&map, edge, share, [-0.4 * width, 0.9 * width]);
             assert!(
                 change <= 4.0 * width + 1e-14,
@@ -187,5 +187,146 @@ fn stretching_an_axis_changes_nothing() {
     for exponent in [10.0, 20.0, 40.0, 48.0] {
         let error = difference(&of_height(libm::exp2(-exponent)), &fat);
         assert!(error < 1e-15, "{error} at 2^-{exponent}");
+    }
+}
+
+/// A footprint and its weights from rational arithmetic over the exact values of these f64 numbers.
+struct ExactCase {
+    /// Columns, rows.
+    size: [u32; 2],
+    wrap: Wrap,
+    /// Centre, first and second edge, in tiles.
+    footprint: [f64; 6],
+    /// (column, row) and weight, of the texels that take more than a millionth.
+    weights: &'static [((u32, u32), f64)],
+}
+
+/// Area over that of the bounding rectangle: 5e-9, 9e-12, 2e-14, 5e-16, 3e-15, and 2e-17, which is a segment.
+const EXACT_CASES: [ExactCase; 6] = [
+    ExactCase {
+        size: [6, 5],
+        wrap: Wrap::Repeat,
+        footprint: [
+            0.16666666675321967,
+            -0.5999999998775296,
+            0.47822906161279555,
+            0.05800538698748775,
+            0.11900731110845676,
+            0.014434642087615714,
+        ],
+        weights: &[
+            ((0, 1), 0.3485080247539369),
+            ((1, 2), 0.3485080266843127),
+            ((2, 2), 0.1514919732856856),
+            ((5, 1), 0.15149197292371258),
+        ],
+    },
+    ExactCase {
+        size: [7, 5],
+        wrap: Wrap::Repeat,
+        footprint: [
+            0.7142857142866225,
+            -1.7021971729091513e-12,
+            -0.1444425041421549,
+            0.5003474524302278,
+            -0.03080212775606776,
+            0.10669827584861373,
+        ],
+        weights: &[
+            ((4, 0), 0.3996277943337653),
+            ((4, 1), 0.10037220565942358),
+            ((5, 3), 0.10037220566602514),
+            ((5, 4), 0.3996277943368532),
+        ],
+    },
+    ExactCase {
+        size: [2, 4],
+        wrap: Wrap::Clamp,
+        footprint: [
+            0.500000000000166,
+            -0.24999999999999573,
+            0.8621601094068457,
+            -1.0591867620875821,
+            0.43108005470342287,
+            -0.5295933810438336,
+        ],
+        weights: &[
+            ((0, 0), 0.4227495123172648),
+            ((0, 1), 0.07549407484809147),
+            ((0, 2), 0.0017564128344512075),
+            ((1, 0), 0.5000000000001925),
+        ],
+    },
+    ExactCase {
+        size: [16384, 1],
+        wrap: Wrap::Repeat,
+        footprint: [
+            926459.6610829493,
+            -0.09893903997291442,
+            0.0001641157646844636,
+            -2.8712833777678757,
+            -1.8358450512755694e-20,
+            -1.0286659162132402e-15,
+        ],
+        weights: &[
+            ((10829, 0), 0.060023565296897514),
+            ((10830, 0), 0.37190306712672583),
+            ((10831, 0), 0.37190306712672583),
+            ((10832, 0), 0.19617030044965084),
+        ],
+    },
+    ExactCase {
+        size: [5, 5],
+        wrap: Wrap::Repeat,
+        footprint: [
+            0.8,
+            -0.3999999999999999,
+            -0.5542759889717436,
+            0.12141786766465112,
+            0.16510622635432742,
+            -0.036167624686917366,
+        ],
+        weights: &[
+            ((0, 2), 0.1393291392277995),
+            ((2, 3), 0.13932913922779933),
+            ((3, 3), 0.36067086077220034),
+            ((4, 2), 0.3606708607721995),
+        ],
+    },
+    ExactCase {
+        size: [6, 3],
+        wrap: Wrap::Repeat,
+        footprint: [
+            0.3333333333333333,
+            -0.6666666666666666,
+            0.33257307739961517,
+            -1.2575330248437948,
+            8.682935363044934e-18,
+            -8.20668898160439e-18,
+        ],
+        weights: &[
+            ((1, 1), 0.2650692480817659),
+            ((1, 2), 0.23493075191823412),
+            ((2, 0), 0.26506924808176585),
+            ((2, 2), 0.23493075191823407),
+        ],
+    },
+];
+
+#[test]
+fn slivers_agree_with_rational_arithmetic() {
+    for case in EXACT_CASES {
+        let map = flat_map(case.size[0], case.size[1], case.wrap);
+        let [u, v, u_1, v_1, u_2, v_2] = case.footprint;
+        let footprint = Footprint {
+            centre: [u, v],
+            edge_1: [u_1, v_1],
+            edge_2: [u_2, v_2],
+        };
+        let weights = checked_weights(&map, &footprint);
+        for (texel, expected) in case.weights {
+            let error = (weights[texel] - expected).abs();
+            assert!(error < 5e-16, "{error} at {texel:?} of {footprint:?}");
+        }
     }
 }

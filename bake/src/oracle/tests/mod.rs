@@ -14,7 +14,7 @@ use crate::normals::NormalMap;
 use glintbake_format::model::{Footprint, Wrap};
 use std::collections::BTreeMap;
 
-/// Uniform numbers for tests: SplitMix64 (Steele, Lea and Flood 2014).
+/// Uniform numbers for tests: `SplitMix64` (Steele, Lea and Flood 2014).
 struct Random(u64);
 
 impl Random {
