@@ -1,5 +1,6 @@
 //! Texel weights against cases worked out by hand.
 
+use super::super::texel_axis::TexelAxis;
 use super::{by_texel, checked_weights, difference, flat_map, in_texels};
 use crate::oracle::{MAX_SPAN_TILES, box_weights};
 use glintbake_format::model::{Footprint, Wrap};
@@ -166,4 +167,34 @@ fn footprints_that_are_not_numbers_are_refused() {
         edge_2: [1.0, 1.0],
     };
     box_weights(&map, &footprint);
+}
+
+#[test]
+fn a_centre_that_rounds_onto_a_border_stays_where_it_is() {
+    // The f64 0.7 is 2⁻⁵¹ / 10 below seven tenths, but 0.7 * 10.0 is 7.
+    let map = flat_map(10, 1, Wrap::Repeat);
+    let edge = libm::exp2(-40.0);
+    let mut footprint = in_texels(&map, [0.0, 0.5], [edge, 0.0], [0.0, 0.5]);
+    footprint.centre[0] = 0.7;
+    let weights = checked_weights(&map, &footprint);
+    let left = 0.5 + libm::exp2(-51.0) / edge;
+    assert!((weights[&(6, 0)] - left).abs() < 1e-15, "{weights:?}");
+    footprint.edge_1 = [0.0; 2];
+    footprint.edge_2 = [0.0; 2];
+    assert_eq!(
+        checked_weights(&map, &footprint),
+        BTreeMap::from([((6, 0), 1.0)])
+    );
+}
+
+#[test]
+fn texels_are_half_open_to_the_last_digit() {
+    let axis = |centre| TexelAxis::new(centre, [0.0; 2], 1, Wrap::Repeat);
+    assert_eq!(axis(0.0).texel_at(0.0), 0);
+    assert_eq!(axis(0.0).texel_at(-1e-300), -1);
+    // 1 - 1e-20 has no f64 but lies in texel 0.
+    assert_eq!(axis(-1e-20).texel_at(1.0), 0);
+    assert_eq!(axis(1e-20).texel_at(1.0), 1);
+    assert_eq!(axis(1e-20).texel_at(-1.0), -1);
+    assert_eq!(axis(-1e-20).texel_at(-1.0), -2);
 }
