@@ -1,0 +1,113 @@
+//! The kinds of sample maps, by name.
+
+use core::fmt;
+
+/// A kind of sample normal map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Kind {
+    /// Car paint: overlapping flakes of about 6 texels across, each with one normal.
+    ///
+    /// Flakes overlap like scales and cover everything; a flake shows 32 · `scale`² texels on average. Normals follow
+    /// a GTR distribution of exponent [`FLAKE_GAMMA`](crate::FLAKE_GAMMA) whose α is `roughness`; the wing mirror of
+    /// \[AWKK21\], figure 1, is roughness 0.002.
+    Flakes,
+    /// Polished metal with many fine grooves, straight or slightly bent, in all directions.
+    ///
+    /// Grooves are 1.6 to 4 · `scale` texels wide and 40 to 400 · `scale` texels long, rounded at the bottom and at
+    /// the edges, and fade out at their ends; `roughness` is the slope of the steepest wall. Where grooves cross, the
+    /// deeper one decides, as if both had been cut. `density` 1 covers about a quarter of the map.
+    Scratches,
+    /// Brushed metal: streaks along u, so that normals spread mostly along t.
+    ///
+    /// A Gaussian height field of four octaves; streaks are 1 to 8 · `scale` texels thick and up to some hundred
+    /// times as long. Slopes are Gaussian, `roughness` is the RMS length of the slope.
+    Brushed,
+    /// A smooth, isotropic Gaussian height field, with bumps about 35 · `scale` texels across.
+    ///
+    /// The power spectrum is Gaussian too: heights d texels apart correlate as exp(−d²/(4·(8·`scale`)²)). Slopes are
+    /// the field's own derivatives, Gaussian, with RMS length `roughness`.
+    Waves,
+    /// Leather: pebbles of about 22 · `scale` texels with creases between them, wrinkles and fine pores.
+    ///
+    /// `roughness` is the RMS length of the slope, `density` scales the number of pores.
+    Leather,
+    /// No relief: every normal is (0, 0), exactly.
+    Flat,
+    /// White noise, for stress tests: every texel has its own Beckmann normal of α = `roughness`.
+    Noise,
+}
+
+/// Every kind, in the order `--help` lists them.
+pub const KINDS: &[Kind] = &[
+    Kind::Flakes,
+    Kind::Scratches,
+    Kind::Brushed,
+    Kind::Waves,
+    Kind::Leather,
+    Kind::Flat,
+    Kind::Noise,
+];
+
+impl Kind {
+    /// The word used on the command line and in file names.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Flakes => "flakes",
+            Self::Scratches => "scratches",
+            Self::Brushed => "brushed",
+            Self::Waves => "waves",
+            Self::Leather => "leather",
+            Self::Flat => "flat",
+            Self::Noise => "noise",
+        }
+    }
+
+    /// The kind called `name`, if there is one; names are lower case.
+    pub fn from_name(name: &str) -> Option<Self> {
+        KINDS.iter().copied().find(|kind| kind.name() == name)
+    }
+
+    /// One line for `--help`: what the map shows and what roughness means for it.
+    pub const fn description(self) -> &'static str {
+        match self {
+            Self::Flakes => {
+                "car paint: overlapping flakes, one normal each; roughness is GTR alpha"
+            }
+            Self::Scratches => "polished metal with fine grooves; roughness is the steepest slope",
+            Self::Brushed => "brushed metal, streaks along u; roughness is the RMS slope",
+            Self::Waves => "smooth Gaussian height field; roughness is the RMS slope",
+            Self::Leather => "pebbled grain with creases and pores; roughness is the RMS slope",
+            Self::Flat => "no relief; roughness is not used",
+            Self::Noise => {
+                "an independent normal per texel, for stress; roughness is Beckmann alpha"
+            }
+        }
+    }
+
+    /// The roughness that [`Options::new`](crate::Options::new) chooses: clearly visible, not yet theatrical.
+    pub const fn default_roughness(self) -> f64 {
+        match self {
+            Self::Flakes => 0.12,
+            Self::Scratches => 0.6,
+            Self::Brushed => 0.2,
+            Self::Waves => 0.25,
+            Self::Leather => 0.35,
+            Self::Flat => 0.0,
+            Self::Noise => 0.3,
+        }
+    }
+
+    /// The largest roughness the kind accepts: 1 where it is a GTR α (1 spreads evenly), else a slope of 100 (89.4°).
+    pub const fn max_roughness(self) -> f64 {
+        match self {
+            Self::Flakes => 1.0,
+            _ => 100.0,
+        }
+    }
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
