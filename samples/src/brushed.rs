@@ -21,22 +21,22 @@ struct Octave {
 /// thickness grows, so that heights are fractal; the longest streaks are the middle ones, as a brush leaves them.
 const OCTAVES: &[Octave] = &[
     Octave {
-        length: 40.0,
+        length: 24.0,
         thickness: 0.5,
         slope: 1.0,
     },
     Octave {
-        length: 90.0,
+        length: 48.0,
         thickness: 1.0,
         slope: 0.8,
     },
     Octave {
-        length: 120.0,
+        length: 64.0,
         thickness: 2.0,
         slope: 0.6,
     },
     Octave {
-        length: 120.0,
+        length: 64.0,
         thickness: 4.0,
         slope: 0.4,
     },
@@ -56,4 +56,26 @@ pub fn fill(options: &Options, normals: &mut [[f32; 2]]) {
         .collect();
     fill_slopes(&fields, options.width as usize, normals);
     normalise(normals, options.width as usize, options.roughness);
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Kind, Options, generate, tests::slopes};
+
+    #[test]
+    fn slopes_are_gaussian_and_spread_along_t() {
+        let sample = generate(Kind::Brushed, &Options::new(Kind::Brushed, 512)).expect("valid");
+        let slopes = slopes(&sample);
+        let moment = |axis: usize, power: i32| {
+            let sum: f64 = slopes.iter().map(|slope| slope[axis].powi(power)).sum();
+            sum / slopes.len() as f64
+        };
+        assert!(
+            moment(1, 2) > 400.0 * moment(0, 2),
+            "20 times as wide along t"
+        );
+        let kurtosis = moment(1, 4) / (moment(1, 2) * moment(1, 2));
+        // About 512²/(2π·24·0.5) = 3500 independent patches of the finest octave: standard error √(24/3500) = 0.08.
+        assert!((kurtosis - 3.0).abs() < 0.3, "{kurtosis}");
+    }
 }

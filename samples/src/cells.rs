@@ -27,60 +27,71 @@ impl CellGrid {
         }
     }
 
-    /// The column of cells that lies `x` texels from the left, not wrapped.
-    pub fn column_of(&self, x: f64) -> i64 {
-        (x / self.cell_size[0]).floor() as i64
-    }
-
-    /// The row of cells that lies `y` texels from the top, not wrapped.
-    pub fn row_of(&self, y: f64) -> i64 {
-        (y / self.cell_size[1]).floor() as i64
-    }
-
-    /// The features of the rows of cells `first_row..=last_row`, with `feature(column, row)` called on wrapped indices.
+    /// The features of the cells around every point with y in `rows` (texels from the top), for points that were moved
+    /// by at most `reach` texels each way; `feature(column, row)` is called on wrapped indices.
     pub fn block<T>(
         &self,
-        first_row: i64,
-        last_row: i64,
+        rows: core::ops::Range<usize>,
+        reach: f64,
         feature: impl Fn(u64, u64) -> T,
     ) -> CellBlock<T> {
+        // One cell for the neighbours, one for rounding.
+        let margin = self.cell_size.map(|size| (reach / size) as i64 + 2);
+        let row_at = |y: usize| (y as f64 / self.cell_size[1]) as i64;
+        let first = [-margin[0], row_at(rows.start) - margin[1]];
+        let end = [
+            self.column_count + margin[0],
+            row_at(rows.end) + margin[1] + 1,
+        ];
         let mut features = Vec::new();
-        for row in first_row..=last_row {
-            let wrapped = row.rem_euclid(self.row_count) as u64;
-            features.extend((0..self.column_count as u64).map(|column| feature(column, wrapped)));
+        for row in first[1]..end[1] {
+            let row = row.rem_euclid(self.row_count) as u64;
+            features.extend((first[0]..end[0]).map(|column| {
+                let column = column.rem_euclid(self.column_count) as u64;
+                feature(column, row)
+            }));
         }
         CellBlock {
-            grid: *self,
-            first_row,
+            cell_size: self.cell_size,
+            first: first.map(|cell| cell as f64),
+            stride: (end[0] - first[0]) as usize,
             features,
         }
     }
 }
 
-/// The features of a few rows of cells.
+/// The features of a few rows of cells, continued beyond the tile on both sides.
 pub struct CellBlock<T> {
-    grid: CellGrid,
-    first_row: i64,
+    cell_size: [f64; 2],
+    /// (column, row) of the first feature, not wrapped.
+    first: [f64; 2],
+    stride: usize,
     features: Vec<T>,
 }
 
 impl<T> CellBlock<T> {
-    /// The nine features in and around the cell (column, row), each with the corner of its cell in texels.
+    /// Visits the nine features in and around the cell of `point`, row by row, each with the corner of its cell; all
+    /// in texels.
     ///
-    /// Corners are not wrapped: they are where this copy of the feature lies as seen from that cell. Rows from one
-    /// above to one below must be in the block.
-    pub fn around(&self, column: i64, row: i64) -> impl Iterator<Item = ([f64; 2], &T)> {
-        (row - 1..=row + 1).flat_map(move |y| {
-            let start = (y - self.first_row) * self.grid.column_count;
-            (column - 1..=column + 1).map(move |x| {
-                let index = start + x.rem_euclid(self.grid.column_count);
-                let corner = [
-                    x as f64 * self.grid.cell_size[0],
-                    y as f64 * self.grid.cell_size[1],
-                ];
-                (corner, &self.features[index as usize])
-            })
-        })
+    /// Corners are not wrapped: they are where this copy of the feature lies as seen from the point.
+    ///
+    /// # Panics
+    /// If the point is not one that the block was made for.
+    // Loops, not an iterator: flattened ones cost flakes a third more time.
+    #[inline]
+    pub fn visit_around(&self, point: [f64; 2], mut visit: impl FnMut([f64; 2], &T)) {
+        // From the first cell on no index is negative: truncation is floor.
+        let [column, row] =
+            [0, 1].map(|axis| (point[axis] / self.cell_size[axis] - self.first[axis]) as usize);
+        for y in row - 1..=row + 1 {
+            let start = y * self.stride + column - 1;
+            let corner_y = (y as f64 + self.first[1]) * self.cell_size[1];
+            for (k, feature) in self.features[start..start + 3].iter().enumerate() {
+                let x = column - 1 + k;
+                let corner_x = (x as f64 + self.first[0]) * self.cell_size[0];
+                visit([corner_x, corner_y], feature);
+            }
+        }
     }
 }
 
@@ -88,18 +99,37 @@ impl<T> CellBlock<T> {
 mod tests {
     use super::*;
 
+    fn around<T: Copy>(block: &CellBlock<T>, point: [f64; 2]) -> Vec<([f64; 2], T)> {
+        let mut seen = Vec::new();
+        block.visit_around(point, |corner, feature| seen.push((corner, *feature)));
+        seen
+    }
+
     #[test]
     fn cells_fill_the_tile_and_neighbours_wrap() {
         let grid = CellGrid::new(13, 1, 4.0);
         assert_eq!((grid.column_count, grid.row_count), (3, 1));
         assert_eq!(grid.cell_size, [13.0 / 3.0, 1.0]);
-        let block = grid.block(-1, 1, |column, row| (column, row));
-        let around: Vec<_> = block.around(0, 0).collect();
+        let block = grid.block(0..1, 0.0, |column, row| (column, row));
+        let around = around(&block, [0.5, 0.5]);
         assert_eq!(around.len(), 9);
-        assert_eq!(around[0], ([-13.0 / 3.0, -1.0], &(2, 0)));
-        assert_eq!(around[8], ([13.0 / 3.0, 1.0], &(1, 0)));
-        assert_eq!(grid.column_of(12.5), 2);
-        assert_eq!(grid.row_of(-0.5), -1);
+        assert_eq!(around[0], ([-13.0 / 3.0, -1.0], (2, 0)));
+        assert_eq!(around[8], ([13.0 / 3.0, 1.0], (1, 0)));
+        let right = self::around(&block, [12.5, 0.5]);
+        assert_eq!(right[5], ([13.0, 0.0], (0, 0)));
+    }
+
+    #[test]
+    fn a_block_holds_the_cells_of_moved_points() {
+        let grid = CellGrid::new(50, 40, 5.0);
+        let block = grid.block(10..20, 12.0, |column, row| [column as i64, row as i64]);
+        for (x, y) in [(-11.9, -1.9), (-11.9, 31.9), (61.9, -1.9), (61.9, 31.9)] {
+            let (corner, cell) = around(&block, [x, y])[4];
+            let own = [x, y].map(|z: f64| (z / 5.0).floor());
+            assert_eq!(corner, own.map(|index| index * 5.0));
+            assert_eq!(cell[0], (own[0] as i64).rem_euclid(10));
+            assert_eq!(cell[1], (own[1] as i64).rem_euclid(8));
+        }
     }
 
     #[test]

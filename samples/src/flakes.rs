@@ -22,7 +22,7 @@ const SIDES: usize = 6;
 
 /// Smallest and largest distance of a side from the flake's seed, in cell sides.
 ///
-/// Their mean covers 1.3 cells: most flakes overlap a neighbour, few gaps stay.
+/// A regular hexagon of the mean distance covers 1.15 cells: flakes overlap, and the gaps between them stay small.
 const REACH: [f64; 2] = [0.4, 0.75];
 
 /// A flake cut from a leaf of metal, lying at some depth of the paint.
@@ -87,20 +87,19 @@ pub fn fill(options: &Options, normals: &mut [[f32; 2]]) {
         .enumerate()
         .for_each(|(index, band)| {
             let first = index * BAND_ROWS;
-            let end = first + band.len() / width;
-            let cell_rows = [first, end].map(|row| grid.row_of(row as f64));
-            let block = grid.block(cell_rows[0] - 1, cell_rows[1] + 1, |column, row| {
+            let rows = first..first + band.len() / width;
+            let block = grid.block(rows.clone(), 0.0, |column, row| {
                 Flake::new(&mut Random::at(key, column, row), cell_side, gtr)
             });
-            for (row, texels) in (first..).zip(band.chunks_mut(width)) {
+            for (row, texels) in rows.zip(band.chunks_mut(width)) {
                 let y = row as f64 + 0.5;
                 for (column, texel) in texels.iter_mut().enumerate() {
                     let x = column as f64 + 0.5;
                     let mut best = f64::INFINITY;
-                    for (corner, flake) in block.around(grid.column_of(x), grid.row_of(y)) {
+                    block.visit_around([x, y], |corner, flake| {
                         // A deeper flake cannot win, inside or out: no need to know where its sides are.
                         if flake.depth >= best {
-                            continue;
+                            return;
                         }
                         let gauge = flake.gauge([
                             x - corner[0] - flake.seed[0] * grid.cell_size[0],
@@ -111,7 +110,7 @@ pub fn fill(options: &Options, normals: &mut [[f32; 2]]) {
                             best = rank;
                             *texel = flake.normal;
                         }
-                    }
+                    });
                 }
             }
         });
@@ -123,4 +122,94 @@ fn grid(options: &Options) -> CellGrid {
         options.height,
         TEXELS_PER_FLAKE.sqrt() * options.scale,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use super::*;
+    use crate::{Kind, generate};
+
+    /// Texels of each visible flake, by the bits of its normal.
+    fn flakes(options: &Options) -> HashMap<[u32; 2], usize> {
+        let sample = generate(Kind::Flakes, options).expect("valid options");
+        let mut texel_counts = HashMap::new();
+        for normal in sample.normals {
+            *texel_counts.entry(normal.map(f32::to_bits)).or_default() += 1;
+        }
+        texel_counts
+    }
+
+    #[test]
+    fn a_flake_shows_the_stated_texels() {
+        for (scale, size) in [(0.5, 128), (1.0, 256), (3.0, 512)] {
+            let options = Options {
+                scale,
+                ..Options::new(Kind::Flakes, size)
+            };
+            let flakes = flakes(&options);
+            let mean = f64::from(size * size) / flakes.len() as f64;
+            let stated = TEXELS_PER_FLAKE * scale * scale;
+            assert!(
+                (mean / stated - 1.0).abs() < 0.05,
+                "scale {scale}: {mean} texels"
+            );
+            let usual = flakes
+                .values()
+                .filter(|&&count| (0.25..2.0).contains(&(count as f64 / stated)))
+                .count();
+            assert!(
+                usual as f64 > 0.9 * flakes.len() as f64,
+                "scale {scale}: {usual} of {} flakes are of usual size",
+                flakes.len()
+            );
+        }
+    }
+
+    #[test]
+    fn normals_follow_the_distribution_in_angle_and_azimuth() {
+        for alpha in [0.002, 0.12, 0.7] {
+            let options = Options {
+                roughness: alpha,
+                ..Options::new(Kind::Flakes, 512)
+            };
+            let normals: Vec<_> = flakes(&options)
+                .into_keys()
+                .map(|bits| bits.map(|x| f64::from(f32::from_bits(x))))
+                .collect();
+            // F(sin² θ) for γ = 3/2, integrated by hand: (1 − α/√q)/(1 − α) with q = α² + (1 − α²) sin² θ.
+            let mut levels: Vec<f64> = normals
+                .iter()
+                .map(|[s, t]| {
+                    let q = alpha * alpha + (1.0 - alpha * alpha) * (s * s + t * t);
+                    (1.0 - alpha / q.sqrt()) / (1.0 - alpha)
+                })
+                .collect();
+            levels.sort_by(f64::total_cmp);
+            let distance = crate::tests::distance_from_uniform(&levels);
+            assert!(distance < 1.0, "alpha {alpha}: {distance}");
+            let mut turns: Vec<f64> = normals
+                .iter()
+                .map(|&[s, t]| libm::atan2(t, s) / TAU + 0.5)
+                .collect();
+            turns.sort_by(f64::total_cmp);
+            let distance = crate::tests::distance_from_uniform(&turns);
+            assert!(distance < 1.0, "alpha {alpha}: azimuth {distance}");
+        }
+    }
+
+    #[test]
+    fn roughness_changes_normals_but_not_outlines() {
+        let edges = |roughness| {
+            let options = Options {
+                roughness,
+                ..Options::new(Kind::Flakes, 64)
+            };
+            let sample = generate(Kind::Flakes, &options).expect("valid options");
+            let pairs = sample.normals.windows(2);
+            pairs.map(|pair| pair[0] == pair[1]).collect::<Vec<_>>()
+        };
+        assert_eq!(edges(0.002), edges(0.3));
+    }
 }

@@ -25,3 +25,28 @@ pub fn fill(options: &Options, normals: &mut [[f32; 2]]) {
             }
         });
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{Kind, Options, generate};
+
+    #[test]
+    fn squared_slopes_are_exponential_with_mean_alpha_squared() {
+        let options = Options {
+            roughness: 0.4,
+            ..Options::new(Kind::Noise, 128)
+        };
+        let sample = generate(Kind::Noise, &options).expect("valid options");
+        let mut found: Vec<f64> = sample
+            .normals
+            .iter()
+            .map(|&[s, t]| {
+                let squared = f64::from(s) * f64::from(s) + f64::from(t) * f64::from(t);
+                1.0 - libm::exp(-squared / (1.0 - squared) / 0.16)
+            })
+            .collect();
+        found.sort_by(f64::total_cmp);
+        let distance = crate::tests::distance_from_uniform(&found);
+        assert!(distance < 1.0, "{distance}");
+    }
+}

@@ -1,9 +1,9 @@
 //! Random numbers that belong to a feature, not to a moment: the same whichever thread asks, and in which order.
 
+use rand_core::{RngCore, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use rand_xoshiro::rand_core::{RngCore, SeedableRng};
 
-/// Increment of SplitMix64: 2⁶⁴ over the golden ratio, odd (Steele, Lea, Flood 2014, figure 16).
+/// Increment of `SplitMix64`: 2⁶⁴ over the golden ratio, odd (Steele, Lea, Flood 2014, figure 16).
 const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// What random numbers are for, so that no two uses of a seed share them.
@@ -13,7 +13,6 @@ pub enum Stream {
     Flake = 1,
     Scratch = 2,
     ScratchBase = 3,
-    /// Octave o takes `Streak as u64 + o` by way of [`key`]'s second word; see `gaussian_field`.
     Streak = 4,
     Wave = 5,
     Pebble = 6,
@@ -23,7 +22,7 @@ pub enum Stream {
     Noise = 10,
 }
 
-/// The finaliser of SplitMix64, "Mix13" of Stafford (2011): a bijection in which each input bit flips each output bit
+/// The finaliser of `SplitMix64`, "Mix13" of Stafford (2011): a bijection in which each input bit flips each output bit
 /// with probability close to ½.
 const fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

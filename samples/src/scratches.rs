@@ -20,8 +20,10 @@ use crate::{
     slopes::normal,
 };
 
-/// Texels of a map for each scratch, at scale 1 and density 1: a quarter of the map is covered.
-const TEXELS_PER_SCRATCH: f64 = 1100.0;
+/// Texels of a map for each scratch, at scale 1 and density 1.
+///
+/// A scratch is 160 × 2.4 texels on average, so scattered ones cover 1 − exp(−160·2.4/800) = 38 % of a large map.
+const TEXELS_PER_SCRATCH: f64 = 800.0;
 
 /// Beckmann α of the polished ground between scratches, as a share of roughness: keeps its highlight from being a
 /// single direction, and is invisible next to a groove.
@@ -211,4 +213,129 @@ fn pieces_per_band(scratches: &[Scratch], height: usize) -> Vec<Vec<(u32, u32)>>
         }
     }
     bands
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Kind, generate};
+
+    fn options(width: u32, height: u32, scale: f64) -> Options {
+        Options {
+            width,
+            height,
+            scale,
+            seed: 11,
+            ..Options::new(Kind::Scratches, 1)
+        }
+    }
+
+    #[test]
+    fn slopes_are_the_derivatives_of_the_heights() {
+        let step = 1e-5;
+        let mut seen = 0;
+        for scratch in scratches(&options(200, 300, 2.0)) {
+            for i in 0..200 {
+                let offset = [
+                    f64::from(i) * 0.37 - 37.0,
+                    f64::from(i * 7 % 200) * 0.21 - 21.0,
+                ];
+                let at = |dx: f64, dy: f64| scratch.groove([offset[0] + dx, offset[1] + dy]);
+                let [Some(here), Some(left), Some(right), Some(up), Some(down)] = [
+                    at(0.0, 0.0),
+                    at(-step, 0.0),
+                    at(step, 0.0),
+                    at(0.0, -step),
+                    at(0.0, step),
+                ] else {
+                    continue;
+                };
+                let across = (right.height - left.height) / (2.0 * step);
+                let along = (down.height - up.height) / (2.0 * step);
+                assert!(
+                    (across - here.slope[0]).abs() < 1e-8,
+                    "{across} {:?}",
+                    here.slope
+                );
+                assert!(
+                    (along - here.slope[1]).abs() < 1e-8,
+                    "{along} {:?}",
+                    here.slope
+                );
+                assert!(here.height < 0.0);
+                seen += 1;
+            }
+        }
+        assert!(seen > 300, "only {seen} points were in a groove");
+    }
+
+    #[test]
+    fn drawing_in_pieces_is_the_deepest_groove_at_every_texel() {
+        // The second tile is narrower than its grooves are long: they wrap several times.
+        for (width, height, scale) in [(150, 140, 0.8), (9, 130, 1.3)] {
+            let options = options(width, height, scale);
+            let sample = generate(Kind::Scratches, &options).expect("valid options");
+            let scratches = scratches(&options);
+            let base = key(options.seed, Stream::ScratchBase, 0);
+            let deviation = BASE_ROUGHNESS * options.roughness * core::f64::consts::FRAC_1_SQRT_2;
+            let copies = |extent: u32| {
+                let reach = i64::from(width.max(height) / extent) + 1;
+                (-reach..=reach).map(move |copy| copy as f64 * f64::from(extent))
+            };
+            for (index, found) in sample.normals.iter().enumerate() {
+                let [x, y] = [index as u32 % width, index as u32 / width];
+                let mut deepest = Groove {
+                    height: 0.0,
+                    slope: [0.0; 2],
+                };
+                for scratch in &scratches {
+                    for dx in copies(width) {
+                        for dy in copies(height) {
+                            let groove = scratch.groove([
+                                f64::from(x) + 0.5 + dx - scratch.centre[0],
+                                f64::from(y) + 0.5 + dy - scratch.centre[1],
+                            ]);
+                            if let Some(groove) = groove
+                                && groove.height < deepest.height
+                            {
+                                deepest = groove;
+                            }
+                        }
+                    }
+                }
+                let grain = Random::at(base, u64::from(x), u64::from(y)).gaussian_pair();
+                let expected =
+                    normal([0, 1].map(|axis| deepest.slope[axis] + deviation * grain[axis]));
+                for axis in 0..2 {
+                    // Unwrapped coordinates differ by whole tiles, and so in their rounding.
+                    assert!(
+                        (expected[axis] - found[axis]).abs() < 1e-6,
+                        "({x}, {y}): {expected:?} {found:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn density_decides_how_much_is_covered_and_roughness_how_steep() {
+        let covered = |density| {
+            let options = Options {
+                density,
+                ..options(512, 512, 1.0)
+            };
+            let sample = generate(Kind::Scratches, &options).expect("valid options");
+            let steep = |&&[s, t]: &&[f32; 2]| s.hypot(t) > 0.06;
+            assert!(sample.normals.iter().all(|[s, t]| {
+                let sin_squared = f64::from(s * s + t * t);
+                // The steepest wall, its fade along the groove, and six deviations of the grain.
+                (sin_squared / (1.0 - sin_squared)).sqrt() < 0.6 * 1.2
+            }));
+            sample.normals.iter().filter(steep).count() as f64 / (512.0 * 512.0)
+        };
+        let [none, usual, many] = [0.0, 1.0, 4.0].map(covered);
+        assert!(none < 1e-3, "{none}");
+        assert!((0.15..0.38).contains(&usual), "{usual}");
+        assert!(many > 2.0 * usual, "{many}");
+    }
 }

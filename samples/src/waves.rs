@@ -56,3 +56,35 @@ pub fn fill_slopes(fields: &[(f64, GaussianField)], width: usize, slopes: &mut [
             }
         });
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{Kind, Options, generate, tests::slopes};
+
+    #[test]
+    fn slopes_have_the_roughness_and_are_gaussian_and_isotropic() {
+        for roughness in [0.01, 0.25, 1.5] {
+            let options = Options {
+                roughness,
+                scale: 0.5,
+                ..Options::new(Kind::Waves, 512)
+            };
+            let sample = generate(Kind::Waves, &options).expect("valid options");
+            let slopes = slopes(&sample);
+            let mean = |f: &dyn Fn(f64, f64) -> f64| {
+                slopes.iter().map(|&[a, b]| f(a, b)).sum::<f64>() / slopes.len() as f64
+            };
+            let rms = mean(&|a, b| a * a + b * b).sqrt();
+            assert!(
+                (rms / roughness - 1.0).abs() < 1e-4,
+                "{rms} for {roughness}"
+            );
+            let half = 0.5 * rms * rms;
+            // 512²/(4π·16) = 1300 independent patches: standard errors of 4 % for variances, 14 % for kurtosis.
+            assert!((mean(&|a, _| a * a) / half - 1.0).abs() < 0.12);
+            assert!((mean(&|a, b| a * b) / half).abs() < 0.12);
+            let kurtosis = mean(&|a, _| a.powi(4)) / mean(&|a, _| a * a).powi(2);
+            assert!((kurtosis - 3.0).abs() < 0.4, "{kurtosis}");
+        }
+    }
+}
