@@ -1,5 +1,8 @@
 //! A grid of cells with one feature each, that repeats with the tile.
 
+/// Most rings of cells around a point that can be asked for.
+pub const MAX_RINGS: usize = 2;
+
 /// A periodic grid over a `width` × `height` tile whose cells are nearly squares of a wanted size.
 #[derive(Clone, Copy, Debug)]
 pub struct CellGrid {
@@ -35,8 +38,10 @@ impl CellGrid {
         reach: f64,
         feature: impl Fn(u64, u64) -> T,
     ) -> CellBlock<T> {
-        // One cell for the neighbours, one for rounding.
-        let margin = self.cell_size.map(|size| (reach / size) as i64 + 2);
+        // One more cell for rounding.
+        let margin = self
+            .cell_size
+            .map(|size| (reach / size) as i64 + MAX_RINGS as i64 + 1);
         let row_at = |y: usize| (y as f64 / self.cell_size[1]) as i64;
         let first = [-margin[0], row_at(rows.start) - margin[1]];
         let end = [
@@ -70,8 +75,8 @@ pub struct CellBlock<T> {
 }
 
 impl<T> CellBlock<T> {
-    /// Visits the nine features in and around the cell of `point`, row by row, each with the corner of its cell; all
-    /// in texels.
+    /// Visits the feature in the cell of `point` and those of `rings` rings of cells around it (at most [`MAX_RINGS`]),
+    /// row by row, each with the corner of its cell; all in texels.
     ///
     /// Corners are not wrapped: they are where this copy of the feature lies as seen from the point.
     ///
@@ -79,15 +84,15 @@ impl<T> CellBlock<T> {
     /// If the point is not one that the block was made for.
     // Loops, not an iterator: flattened ones cost flakes a third more time.
     #[inline]
-    pub fn visit_around(&self, point: [f64; 2], mut visit: impl FnMut([f64; 2], &T)) {
+    pub fn visit_around(&self, point: [f64; 2], rings: usize, mut visit: impl FnMut([f64; 2], &T)) {
         // From the first cell on no index is negative: truncation is floor.
         let [column, row] =
             [0, 1].map(|axis| (point[axis] / self.cell_size[axis] - self.first[axis]) as usize);
-        for y in row - 1..=row + 1 {
-            let start = y * self.stride + column - 1;
+        for y in row - rings..=row + rings {
+            let start = y * self.stride + column - rings;
             let corner_y = (y as f64 + self.first[1]) * self.cell_size[1];
-            for (k, feature) in self.features[start..start + 3].iter().enumerate() {
-                let x = column - 1 + k;
+            for (k, feature) in self.features[start..=start + 2 * rings].iter().enumerate() {
+                let x = column - rings + k;
                 let corner_x = (x as f64 + self.first[0]) * self.cell_size[0];
                 visit([corner_x, corner_y], feature);
             }
@@ -101,7 +106,7 @@ mod tests {
 
     fn around<T: Copy>(block: &CellBlock<T>, point: [f64; 2]) -> Vec<([f64; 2], T)> {
         let mut seen = Vec::new();
-        block.visit_around(point, |corner, feature| seen.push((corner, *feature)));
+        block.visit_around(point, 1, |corner, feature| seen.push((corner, *feature)));
         seen
     }
 

@@ -96,7 +96,7 @@ pub fn fill(options: &Options, normals: &mut [[f32; 2]]) {
                 for (column, texel) in texels.iter_mut().enumerate() {
                     let x = column as f64 + 0.5;
                     let mut best = f64::INFINITY;
-                    block.visit_around([x, y], |corner, flake| {
+                    block.visit_around([x, y], 1, |corner, flake| {
                         // A deeper flake cannot win, inside or out: no need to know where its sides are.
                         if flake.depth >= best {
                             return;

@@ -1,8 +1,8 @@
 //! Pebbled leather.
 //!
 //! A relief of three layers: domed pebbles that meet in creases, wrinkles that run across them, and pores. Pebbles are
-//! cells of Worley's basis (1996): with F₁ ≤ F₂ the distances to the two nearest seeds, F₂ − F₁ is 0 on the borders of
-//! cells and grows inwards. Their positions are warped by a smooth field first, so that borders are not straight.
+//! cells of Worley's basis (1996): with F₁ ≤ F₂ ≤ … the distances to the seeds, F₂ − F₁ is 0 on the borders of cells and
+//! grows inwards. Their positions are warped by a smooth field first, so that borders are not straight.
 //! Wrinkles follow the zero lines of a Gaussian field. Slopes are exact derivatives, through the warp's Jacobian.
 
 use core::ops::Range;
@@ -36,26 +36,31 @@ const PORE_SIDE: f64 = 9.0;
 const PORE_CHANCE: f64 = 0.35;
 
 /// Standard deviation of the warp and its kernel width, in pebble sides.
-const WARP: f64 = 0.09;
-const WARP_SIGMA: f64 = 0.35;
+const WARP: f64 = 0.12;
+const WARP_SIGMA: f64 = 0.45;
 
 /// The warp is held below this many standard deviations, so that the cells it reaches are known beforehand.
 const WARP_LIMIT: f64 = 5.0;
 
-/// Seeds keep to this middle part of their cell each way: the two nearest then lie in the 3 × 3 cells around, for
-/// a seed further away is at least 1.5 − JITTER/2 from the point, and the second of four corner seeds at most
-/// (1 + JITTER)/√2.
-const JITTER: f64 = 0.65;
+/// Seeds keep to this middle part of their cell each way: no seed is nearer to a point than 1.5 − JITTER/2 cell sides
+/// unless it is among the 3 × 3 cells around, nor than one side more unless among the 5 × 5.
+const JITTER: f64 = 0.7;
 
-/// A pebble: h = height · (1 − exp(−(q/crease)²) − dome · F₁²), q = F₂ − F₁, all in cell sides.
+/// A pebble: h = height · (∏ (1 − exp(−((Fₖ − F₁)/crease)²)) − dome · F₁²) over k = 2, 3, …, all in cell sides.
+///
+/// The product over all seeds, not the second alone, keeps the slope continuous where the second nearest changes.
 const PEBBLE_HEIGHT: f64 = 0.12;
 const CREASE: f64 = 0.22;
 const DOME: f64 = 0.9;
 
+/// Where F₁ is at most this, seeds outside the 3 × 3 cells have Fₖ − F₁ ≥ 0.6: they change the product by at most
+/// exp(−(0.6/0.22)²) = 6e-4 each.
+const NEAR: f64 = 0.55;
+
 /// Position of a seed within its cell, both in (0, 1).
 type Seed = [f64; 2];
 
-/// A pore in its cell: h = −steepness · radius · √e · exp(−d²/(2·radius²)), so that `steepness` is its steepest slope.
+/// A pore in its cell: h ∝ −(1 − d²/radius²)³ within its radius, so deep that `steepness` is its steepest slope.
 struct Pore {
     seed: Seed,
     radius: f64,
@@ -179,7 +184,7 @@ impl Leather {
             let mut random = Random::at(key, column, row);
             (random.unit() < self.pore_chance).then(|| Pore {
                 seed: [random.unit(), random.unit()],
-                radius: random.range(0.08, 0.16) * side,
+                radius: random.range(0.22, 0.44) * side,
                 steepness: random.range(0.3, 0.8),
             })
         })
@@ -188,43 +193,39 @@ impl Leather {
     /// The slope of the pebbles at the warped `point`, (∂h/∂column, ∂h/∂row).
     fn pebble_slope(&self, seeds: &CellBlock<Seed>, point: [f64; 2]) -> [f64; 2] {
         let inverse_size = self.pebbles.cell_size.map(|size| 1.0 / size);
-        let mut nearest = [(f64::INFINITY, [0.0; 2]); 2];
-        seeds.visit_around(point, |corner, seed| {
-            let offset =
-                [0, 1].map(|axis| (point[axis] - corner[axis]) * inverse_size[axis] - seed[axis]);
-            let squared = offset[0] * offset[0] + offset[1] * offset[1];
-            if squared < nearest[1].0 {
-                nearest[1] = (squared, offset);
-                if squared < nearest[0].0 {
-                    nearest.swap(0, 1);
-                }
+        for rings in [1, 2] {
+            let mut offsets = [[0.0; 2]; 25];
+            let mut count = 0;
+            let mut nearest = f64::INFINITY;
+            seeds.visit_around(point, rings, |corner, seed| {
+                let offset = [0, 1]
+                    .map(|axis| (point[axis] - corner[axis]) * inverse_size[axis] - seed[axis]);
+                nearest = nearest.min(offset[0] * offset[0] + offset[1] * offset[1]);
+                offsets[count] = offset;
+                count += 1;
+            });
+            if nearest <= NEAR * NEAR || rings == 2 {
+                return pebble_slope(&offsets[..count]);
             }
-        });
-        // F₁ has no gradient at a seed; the guard picks 0 there.
-        let [f1, f2] = nearest.map(|(squared, _)| squared.sqrt().max(f64::MIN_POSITIVE));
-        let q = (f2 - f1) / CREASE;
-        let rise = PEBBLE_HEIGHT * 2.0 * q / CREASE * libm::exp(-q * q);
-        let fall = -2.0 * PEBBLE_HEIGHT * DOME;
-        // Heights are in cell sides as distances are: slopes need no unit.
-        [0, 1].map(|axis| {
-            let [o1, o2] = nearest.map(|(_, offset)| offset[axis]);
-            rise * (o2 / f2 - o1 / f1) + fall * o1
-        })
+        }
+        unreachable!("the second ring always returns")
     }
 
     /// The slope of the pores at `point`, (∂h/∂column, ∂h/∂row).
     fn pore_slope(&self, pores: &CellBlock<Option<Pore>>, point: [f64; 2]) -> [f64; 2] {
+        /// Largest r (1 − r²)²: at r² = 1/5, (16/25)/√5.
+        const STEEPEST: f64 = 0.286_216_7;
         let mut slope = [0.0; 2];
-        pores.visit_around(point, |corner, pore| {
+        pores.visit_around(point, 1, |corner, pore| {
             let Some(pore) = pore else { return };
             let offset = [0, 1].map(|axis| {
                 (point[axis] - corner[axis] - pore.seed[axis] * self.pores.cell_size[axis])
                     / pore.radius
             });
-            let half_squared = 0.5 * (offset[0] * offset[0] + offset[1] * offset[1]);
-            // The nearest pore not seen is a cell away, at least 6 radii: exp(−18).
-            if half_squared < 18.0 {
-                let steep = pore.steepness * libm::exp(0.5 - half_squared);
+            // Radii are below half a cell: pores beyond the 3 × 3 cells do not reach here.
+            let inside = 1.0 - offset[0] * offset[0] - offset[1] * offset[1];
+            if inside > 0.0 {
+                let steep = pore.steepness * inside * inside / STEEPEST;
                 for (sum, x) in slope.iter_mut().zip(offset) {
                     *sum += steep * x;
                 }
@@ -238,6 +239,10 @@ impl Leather {
         let scale = 1.0 / (self.wrinkles.expected_height() * WRINKLE_WIDTH);
         band.visit_row(row, |column, jet| {
             let z = jet.height * scale;
+            // Most texels are far from a wrinkle, where it is below exp(−20).
+            if z * z > 20.0 {
+                return;
+            }
             let factor = self.wrinkle_depth * 2.0 * z * libm::exp(-z * z) * scale;
             for (sum, slope) in sums[column].iter_mut().zip(jet.slope) {
                 *sum += factor * slope;
@@ -246,41 +251,104 @@ impl Leather {
     }
 }
 
+/// The slope of a pebble, in cell sides, at the point that lies `offsets` from each seed around.
+fn pebble_slope(offsets: &[[f64; 2]]) -> [f64; 2] {
+    let squared = |o: &[f64; 2]| o[0] * o[0] + o[1] * o[1];
+    let mut first = 0;
+    for (k, offset) in offsets.iter().enumerate() {
+        if squared(offset) < squared(&offsets[first]) {
+            first = k;
+        }
+    }
+    let nearest = offsets[first];
+    // At a seed F₁ has no gradient, but there no other seed is near enough to ask for it.
+    let f1 = squared(&nearest).sqrt().max(f64::MIN_POSITIVE);
+    // Beyond this distance a factor differs from 1 by less than exp(−10) = 5e-5.
+    let far = f1 + 3.2 * CREASE;
+    let mut product = 1.0;
+    // ∇ log of the product.
+    let mut gradient = [0.0; 2];
+    for (k, offset) in offsets.iter().enumerate() {
+        if k == first || squared(offset) > far * far {
+            continue;
+        }
+        let fk = squared(offset).sqrt();
+        // On a border the factor is 0 and its logarithm has no gradient; this near, their product is 0 within 1e-5.
+        let q = ((fk - f1) / CREASE).max(1e-5);
+        let gap = libm::exp(-q * q);
+        product *= 1.0 - gap;
+        let rate = 2.0 * q * gap / ((1.0 - gap) * CREASE);
+        for axis in 0..2 {
+            gradient[axis] += rate * (offset[axis] / fk - nearest[axis] / f1);
+        }
+    }
+    [0, 1].map(|axis| PEBBLE_HEIGHT * (product * gradient[axis] - 2.0 * DOME * nearest[axis]))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{Kind, generate, tests::slopes};
 
     #[test]
-    fn the_second_nearest_seed_lies_in_the_cells_around() {
-        let seed = |x: i64, y: i64| {
-            let mut random = Random::at(key(1, Stream::Pebble, 0), x as u64, y as u64);
-            // The ends of the range are where the search could fail first.
-            [x, y].map(|cell| {
-                let side = if random.unit() < 0.5 { -0.5 } else { 0.5 };
-                cell as f64 + 0.5 + side * JITTER
-            })
+    fn seeds_outside_the_searched_cells_hardly_matter() {
+        let options = Options::new(Kind::Leather, 330);
+        let leather = Leather::new(&options);
+        let block = leather.pebbles(0..330);
+        let seed = |cell: [i64; 2]| {
+            let [x, y] = cell.map(|index| index.rem_euclid(15) as u64);
+            let mut random = Random::at(key(options.seed, Stream::Pebble, 0), x, y);
+            [0, 1].map(|_| random.range(0.5 - 0.5 * JITTER, 0.5 + 0.5 * JITTER))
         };
-        for cell_x in 0..30 {
-            for cell_y in 0..30 {
-                for i in 0..100 {
-                    let point = [
-                        cell_x as f64 + f64::from(i % 10) / 9.0,
-                        cell_y as f64 + f64::from(i / 10) / 9.0,
-                    ];
-                    let second_nearest = |reach: i64| {
-                        let mut squared: Vec<f64> = (-reach..=reach)
-                            .flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy)))
-                            .map(|(dx, dy)| {
-                                let [x, y] = seed(cell_x + dx, cell_y + dy);
-                                (x - point[0]).powi(2) + (y - point[1]).powi(2)
-                            })
-                            .collect();
-                        squared.sort_by(f64::total_cmp);
-                        squared[1]
-                    };
-                    assert_eq!(second_nearest(1), second_nearest(2), "{point:?}");
-                }
+        for i in 0..20_000 {
+            let mut random = Random::at(key(9, Stream::Noise, 0), i, 0);
+            let point = [random.range(0.0, 330.0), random.range(0.0, 330.0)];
+            let cell = point.map(|x| (x / 22.0) as i64);
+            let offsets: Vec<_> = (-3..=3)
+                .flat_map(|dy| (-3..=3).map(move |dx| [cell[0] + dx, cell[1] + dy]))
+                .map(|cell| {
+                    [0, 1].map(|axis| point[axis] / 22.0 - cell[axis] as f64 - seed(cell)[axis])
+                })
+                .collect();
+            let [all, found] = [pebble_slope(&offsets), leather.pebble_slope(&block, point)];
+            for axis in 0..2 {
+                // Slopes reach 1; eight bits resolve 0.008.
+                assert!(
+                    (all[axis] - found[axis]).abs() < 4e-3,
+                    "{point:?}: {all:?} {found:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn pebble_slopes_are_derivatives() {
+        let height = |offsets: &[[f64; 2]]| {
+            let mut f: Vec<f64> = offsets.iter().map(|o| o[0].hypot(o[1])).collect();
+            f.sort_by(f64::total_cmp);
+            let product: f64 = f[1..]
+                .iter()
+                .map(|fk| 1.0 - libm::exp(-((fk - f[0]) / CREASE).powi(2)))
+                .product();
+            PEBBLE_HEIGHT * (product - DOME * f[0] * f[0])
+        };
+        let mut random = Random::at(key(2, Stream::Noise, 0), 0, 0);
+        for _ in 0..2000 {
+            let offsets: [[f64; 2]; 6] =
+                core::array::from_fn(|_| [random.range(-1.0, 1.0), random.range(-1.0, 1.0)]);
+            let step = 1e-6;
+            let moved = |dx: f64, dy: f64| height(&offsets.map(|[x, y]| [x + dx, y + dy]));
+            let expected = [
+                (moved(step, 0.0) - moved(-step, 0.0)) / (2.0 * step),
+                (moved(0.0, step) - moved(0.0, -step)) / (2.0 * step),
+            ];
+            let found = pebble_slope(&offsets);
+            for axis in 0..2 {
+                // Each factor left out as too near 1 takes at most 2·2·3.2/0.22·exp(−3.2²)·0.12 = 2.5e-4 with it.
+                assert!(
+                    (found[axis] - expected[axis]).abs() < 1e-3,
+                    "{offsets:?}: {found:?} {expected:?}"
+                );
             }
         }
     }

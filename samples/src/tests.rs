@@ -184,7 +184,7 @@ fn bytes_are_those_of_earlier_versions() {
         (Kind::Scratches, 0x969f_180b_110b_3221),
         (Kind::Brushed, 0xfc46_ff59_a2ab_4b69),
         (Kind::Waves, 0x0e81_e53b_34d2_640b),
-        (Kind::Leather, 0x1bed_23a8_3e31_dade),
+        (Kind::Leather, 0xa98d_efcc_837a_6e2b),
         (Kind::Flat, 0x7573_3db3_c303_264d),
         (Kind::Noise, 0xcd63_42a6_844f_7785),
     ];
