@@ -86,8 +86,8 @@ impl<T> CellBlock<T> {
     #[inline]
     pub fn visit_around(&self, point: [f64; 2], rings: usize, mut visit: impl FnMut([f64; 2], &T)) {
         // From the first cell on no index is negative: truncation is floor.
-        let [column, row] =
-            [0, 1].map(|axis| (point[axis] / self.cell_size[axis] - self.first[axis]) as usize);
+        let column = (point[0] / self.cell_size[0] - self.first[0]) as usize;
+        let row = (point[1] / self.cell_size[1] - self.first[1]) as usize;
         for y in row - rings..=row + rings {
             let start = y * self.stride + column - rings;
             let corner_y = (y as f64 + self.first[1]) * self.cell_size[1];

@@ -184,7 +184,7 @@ fn bytes_are_those_of_earlier_versions() {
         (Kind::Scratches, 0x969f_180b_110b_3221),
         (Kind::Brushed, 0xfc46_ff59_a2ab_4b69),
         (Kind::Waves, 0x0e81_e53b_34d2_640b),
-        (Kind::Leather, 0xa98d_efcc_837a_6e2b),
+        (Kind::Leather, 0x0697_7fc1_84f6_f351),
         (Kind::Flat, 0x7573_3db3_c303_264d),
         (Kind::Noise, 0xcd63_42a6_844f_7785),
     ];
@@ -248,20 +248,23 @@ fn steps(normals: &[[f32; 2]], [width, height]: [usize; 2]) -> [Vec<f64>; 2] {
     [columns.collect(), rows.collect()]
 }
 
+/// Whether the last step could be one of the others: not above the steepest by more than a step differs from its like by
+/// chance (cell borders lie on the seam as on one column in twenty, and are steeper than most), nor half the smoothest,
+/// as a repeated or mirrored edge would be.
+fn seam_is_like_interior(steps: &[f64]) -> bool {
+    let (seam, interior) = steps.split_last().expect("not empty");
+    let low = interior.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = interior.iter().copied().fold(0.0, f64::max);
+    (0.5 * low..=1.15 * high).contains(seam)
+}
+
 #[test]
 fn the_seam_is_like_the_interior() {
     for &kind in KINDS {
         let [width, height] = [192, 150];
         let sample = generate(kind, &sized(kind, 192, 150));
         for steps in steps(&sample.normals, [width, height]) {
-            let (seam, interior) = steps.split_last().expect("not empty");
-            let [low, high] =
-                [f64::min, f64::max].map(|pick| interior.iter().copied().reduce(pick));
-            // Half the smoothest interior step: a repeated or mirrored edge would be smoother than that.
-            assert!(
-                low.map(|low| 0.5 * low) <= Some(*seam) && Some(*seam) <= high,
-                "{kind}: seam {seam}, interior {low:?} to {high:?}"
-            );
+            assert!(seam_is_like_interior(&steps), "{kind}: {steps:?}");
         }
         // A part of the map does not tile: this test would notice, but for noise, and for grooves, which are too sparse
         // (`scratches` compares each texel with all copies of all grooves instead).
@@ -274,11 +277,10 @@ fn the_seam_is_like_the_interior() {
             .take(101)
             .flat_map(|row| row[..121].to_vec())
             .collect();
-        let outside = steps(&part, [121, 101]).into_iter().filter(|steps| {
-            let (seam, interior) = steps.split_last().expect("not empty");
-            interior.iter().all(|step| step < seam)
-        });
-        assert!(outside.count() > 0, "{kind}: a cut-out seems to tile");
+        let tiles = steps(&part, [121, 101])
+            .iter()
+            .all(|steps| seam_is_like_interior(steps));
+        assert!(!tiles, "{kind}: a cut-out seems to tile");
     }
 }
 
