@@ -13,8 +13,8 @@ pub enum QueryError {
     FootprintTooLarge,
     /// A scan of the footprint would visit more texels than the limit. Use a binned setting, which need not scan.
     TooManyTexels {
-        /// Texels the footprint covers, at least.
-        texels: u64,
+        /// The most texels a scan of this map visits.
+        limit: u64,
     },
     /// The method does not answer for this filter.
     FilterUnsupported(Method, Filter),
@@ -47,9 +47,9 @@ impl fmt::Display for QueryError {
                 f,
                 "the footprint spans more than {MAX_EDGE_TILES} tiles; query one whole tile for the map's average"
             ),
-            Self::TooManyTexels { texels } => write!(
+            Self::TooManyTexels { limit } => write!(
                 f,
-                "the exact setting would scan {texels} texels; use the binned setting for footprints this large"
+                "the exact setting would scan more than {limit} texels; use the binned setting for footprints this large"
             ),
             Self::FilterUnsupported(method, filter) => write!(
                 f,

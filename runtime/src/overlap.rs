@@ -31,6 +31,9 @@ pub(crate) enum Relation {
 /// A box footprint in texel units.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Parallelogram {
+    /// Whole part of the centre. Apart from the rest, so that the rest keeps all its digits.
+    cell: [f64; 2],
+    /// The centre relative to `cell`, in [0, 1] but for rounding.
     centre: [f64; 2],
     edge_1: [f64; 2],
     edge_2: [f64; 2],
@@ -79,17 +82,24 @@ impl Parallelogram {
             // Beyond this no footprint reaches the map, and border texels extend without end.
             Wrap::Clamp => coordinate.clamp(-4.0 * MAX_EDGE_TILES, 4.0 * MAX_EDGE_TILES),
         };
-        let scale = |[x, y]: [f64; 2]| [x * f64::from(width), y * f64::from(height)];
-        Ok(Self::from_texels(
-            scale(centre.map(reduce)),
-            scale(edge_1),
-            scale(edge_2),
-        ))
-    }
-
-    fn from_texels(centre: [f64; 2], edge_1: [f64; 2], edge_2: [f64; 2]) -> Self {
-        Self {
-            centre,
+        let size = [f64::from(width), f64::from(height)];
+        let scale = |[x, y]: [f64; 2]| [x * size[0], y * size[1]];
+        // The product of centre and size is rounded to the nearest f64, and can land on a texel's border though the
+        // centre lies before it; the fused remainder brings back what rounding took.
+        let centre = centre.map(reduce);
+        let product = scale(centre);
+        let rest = [
+            libm::fma(centre[0], size[0], -product[0]),
+            libm::fma(centre[1], size[1], -product[1]),
+        ];
+        let cell = product.map(libm::floor);
+        let (edge_1, edge_2) = (scale(edge_1), scale(edge_2));
+        Ok(Self {
+            cell,
+            centre: [
+                (product[0] - cell[0]) + rest[0],
+                (product[1] - cell[1]) + rest[1],
+            ],
             edge_1,
             edge_2,
             extent: [
@@ -97,22 +107,37 @@ impl Parallelogram {
                 (edge_1[1].abs() + edge_2[1].abs()) * 0.5,
             ],
             area: (edge_1[0] * edge_2[1] - edge_1[1] * edge_2[0]).abs(),
-        }
+        })
     }
 
     /// The same footprint seen from the tile that begins at texel (`x`, `y`).
     pub fn relative_to(&self, x: f64, y: f64) -> Self {
         Self {
-            centre: [self.centre[0] - x, self.centre[1] - y],
+            cell: [self.cell[0] - x, self.cell[1] - y],
             ..*self
         }
     }
 
     /// The point at parameters (`a`, `b`) in [-1/2, 1/2]², in texels.
-    pub fn point(&self, a: f64, b: f64) -> [f64; 2] {
+    fn point(&self, a: f64, b: f64) -> [f64; 2] {
+        let [x, y] = self.offset(a, b);
+        [self.cell[0] + x, self.cell[1] + y]
+    }
+
+    /// The same point relative to the centre's texel.
+    fn offset(&self, a: f64, b: f64) -> [f64; 2] {
         [
             self.centre[0] + a * self.edge_1[0] + b * self.edge_2[0],
             self.centre[1] + a * self.edge_1[1] + b * self.edge_2[1],
+        ]
+    }
+
+    /// Column and row of the texel, of this or any other tile, under the point at parameters (`a`, `b`).
+    pub fn texel(&self, a: f64, b: f64) -> [i64; 2] {
+        let [x, y] = self.offset(a, b);
+        [
+            self.cell[0] as i64 + libm::floor(x) as i64,
+            self.cell[1] as i64 + libm::floor(y) as i64,
         ]
     }
 
@@ -130,12 +155,12 @@ impl Parallelogram {
     pub fn bounds(&self) -> TexelBox {
         TexelBox {
             low: [
-                self.centre[0] - self.extent[0],
-                self.centre[1] - self.extent[1],
+                self.cell[0] + self.centre[0] - self.extent[0],
+                self.cell[1] + self.centre[1] - self.extent[1],
             ],
             high: [
-                self.centre[0] + self.extent[0],
-                self.centre[1] + self.extent[1],
+                self.cell[0] + self.centre[0] + self.extent[0],
+                self.cell[1] + self.centre[1] + self.extent[1],
             ],
         }
     }
@@ -152,8 +177,8 @@ impl Parallelogram {
             (texels.high[1] - texels.low[1]) * 0.5,
         ];
         let offset = [
-            (texels.high[0] + texels.low[0]) * 0.5 - self.centre[0],
-            (texels.high[1] + texels.low[1]) * 0.5 - self.centre[1],
+            (texels.high[0] + texels.low[0]) * 0.5 - self.cell[0] - self.centre[0],
+            (texels.high[1] + texels.low[1]) * 0.5 - self.cell[1] - self.centre[1],
         ];
         for axis in [0, 1] {
             // Written so that NaN, from infinite sides, decides nothing.
@@ -189,8 +214,8 @@ impl Parallelogram {
         for axis in [0, 1] {
             #[expect(clippy::indexing_slicing, reason = "a literal index below 2")]
             let (low, high, centre, slope) = (
-                texels.low[axis],
-                texels.high[axis],
+                texels.low[axis] - self.cell[axis],
+                texels.high[axis] - self.cell[axis],
                 self.centre[axis],
                 [self.edge_1[axis], self.edge_2[axis]],
             );

@@ -31,7 +31,8 @@ impl MapShape {
         visit: &mut impl FnMut(u32, u32, f64) -> Result<(), QueryError>,
     ) -> Result<(), QueryError> {
         let map_texels = u64::from(self.width) * u64::from(self.height);
-        let mut budget = (BUDGET_MAPS * map_texels).max(BUDGET_LEAST);
+        let limit = (BUDGET_MAPS * map_texels).max(BUDGET_LEAST);
+        let mut budget = Budget { left: limit, limit };
         if self.wrap == Wrap::Clamp {
             return self.scan_rows(footprint, footprint.rows(1.0), None, &mut budget, visit);
         }
@@ -68,10 +69,9 @@ impl MapShape {
         footprint: &Parallelogram,
         rows: core::ops::Range<i64>,
         columns: Option<core::ops::Range<i64>>,
-        budget: &mut u64,
+        budget: &mut Budget,
         visit: &mut impl FnMut(u32, u32, f64) -> Result<(), QueryError>,
     ) -> Result<(), QueryError> {
-        let limit = *budget;
         let whole = footprint.texel_weight();
         for row in rows {
             let mut span = footprint.row_span(row as f64, 1.0, 1.0);
@@ -80,9 +80,7 @@ impl MapShape {
                     span.touched.start.max(columns.start)..span.touched.end.min(columns.end);
             }
             let touched = span.touched.end.saturating_sub(span.touched.start).max(0) as u64;
-            *budget = budget
-                .checked_sub(touched)
-                .ok_or(QueryError::TooManyTexels { texels: limit })?;
+            budget.spend(touched)?;
             let map_row = into_map(row, self.height);
             for column in span.touched {
                 let weight = if span.inside.contains(&column) {
@@ -102,16 +100,31 @@ impl MapShape {
         Ok(())
     }
 
-    /// The texel under the point (`x`, `y`) in texels of the first tile.
-    pub fn texel_at(self, [x, y]: [f64; 2]) -> (u32, u32) {
-        let fold = |coordinate: f64, size: u32| {
-            let cell = libm::floor(coordinate) as i64;
-            match self.wrap {
-                Wrap::Repeat => cell.rem_euclid(i64::from(size)) as u32,
-                Wrap::Clamp => into_map(cell, size),
-            }
+    /// Column and row, on the map, of the texel under the point of `footprint` at parameters (`a`, `b`).
+    pub fn texel_at(self, footprint: &Parallelogram, a: f64, b: f64) -> (u32, u32) {
+        let fold = |cell: i64, size: u32| match self.wrap {
+            Wrap::Repeat => cell.rem_euclid(i64::from(size)) as u32,
+            Wrap::Clamp => into_map(cell, size),
         };
-        (fold(x, self.width), fold(y, self.height))
+        let [column, row] = footprint.texel(a, b);
+        (fold(column, self.width), fold(row, self.height))
+    }
+}
+
+/// Texels a scan may still visit.
+struct Budget {
+    left: u64,
+    limit: u64,
+}
+
+impl Budget {
+    fn spend(&mut self, texels: u64) -> Result<(), QueryError> {
+        let limit = self.limit;
+        self.left = self
+            .left
+            .checked_sub(texels)
+            .ok_or(QueryError::TooManyTexels { limit })?;
+        Ok(())
     }
 }
 

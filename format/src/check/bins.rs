@@ -8,7 +8,7 @@ use crate::records::{
     BIN_MAP, BoxRecord, FOREST, ForestNode, INDEX, INVERSE_BIN_MAP, Instance, OCCUPIED_BINS,
     TexelPosition,
 };
-use crate::view::BinTables;
+use crate::view::{BinTables, ExactNormals};
 use core::ops::Range;
 use zerocopy::little_endian::U16;
 
@@ -29,6 +29,7 @@ fn try_check(
     report: &mut dyn FnMut(Finding),
 ) -> Result<(), Finding> {
     let tables = BinTables::open(container, instance)?;
+    ExactNormals::open(container, instance)?;
     check_keys(&tables, report);
     check_occupied(&tables, report);
     check_offsets(&tables)?;

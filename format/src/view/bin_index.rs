@@ -4,16 +4,19 @@ use super::bin_tables::elements;
 use crate::container::Container;
 use crate::finding::{Fault, Finding};
 use crate::records::{INDEX, IndexKind, Instance, OCCUPIED_BINS};
+use crate::section::SectionId;
 use core::ops::Range;
 use zerocopy::little_endian::U32;
 
 /// Where each key's list lies, and which bin each key stands for.
 #[derive(Clone, Copy, Debug)]
 pub struct BinIndex<'a> {
-    instance: Instance,
+    id: SectionId,
+    bin_count: u32,
+    texel_count: u32,
     offsets: &'a [U32],
-    /// The bins of a sparse index; empty for a dense one.
-    occupied: &'a [U32],
+    /// The bins of a sparse index.
+    occupied: Option<&'a [U32]>,
 }
 
 impl<'a> BinIndex<'a> {
@@ -24,58 +27,53 @@ impl<'a> BinIndex<'a> {
     pub fn open(container: &Container<'a>, instance: &Instance) -> Result<Self, Finding> {
         let keys = instance.key_count as usize;
         Ok(Self {
-            instance: *instance,
+            id: instance.section(INDEX),
+            bin_count: instance.grid.count(),
+            texel_count: instance.texel_count(),
             offsets: elements(container, instance, INDEX, keys.saturating_add(1))?,
             occupied: match instance.index {
-                IndexKind::Dense => &[],
-                IndexKind::Sparse => elements(container, instance, OCCUPIED_BINS, keys)?,
+                IndexKind::Dense => None,
+                IndexKind::Sparse => Some(elements(container, instance, OCCUPIED_BINS, keys)?),
             },
         })
     }
 
     /// The bins of a sparse index by key, rising; empty for a dense index, whose keys are bin numbers.
-    pub const fn occupied(&self) -> &'a [U32] {
-        self.occupied
+    pub fn occupied(&self) -> &'a [U32] {
+        self.occupied.unwrap_or_default()
     }
 
     /// The number of the bin that `key` stands for.
     ///
     /// # Errors
     /// [`Fault::KeyRange`] if there is no such key, or its bin is beyond the grid.
+    #[inline]
     pub fn bin_of_key(&self, key: u32) -> Result<u32, Finding> {
-        let bin = match self.instance.index {
-            IndexKind::Dense => Some(key),
-            IndexKind::Sparse => self.occupied.get(key as usize).map(|bin| bin.get()),
+        let bin = match self.occupied {
+            None => Some(key),
+            Some(occupied) => occupied.get(key as usize).map(|bin| bin.get()),
         };
-        bin.filter(|&bin| bin < self.instance.grid.count())
+        bin.filter(|&bin| bin < self.bin_count)
             .ok_or(Finding::new(Fault::KeyRange).at(u64::from(key)))
     }
 
     /// The keys of the bins numbered in `bins`; those without a texel may be left out. O(1) for a dense index, else a
     /// binary search.
     pub fn keys(&self, bins: Range<u32>) -> Range<u32> {
-        match self.instance.index {
-            IndexKind::Dense => bins,
-            IndexKind::Sparse => {
-                let place = |bin: u32| {
-                    self.occupied
-                        .partition_point(|occupied| occupied.get() < bin) as u32
-                };
-                let start = place(bins.start);
-                // A run is a few bins of one row: walk instead of searching again.
-                let width = bins.end.saturating_sub(bins.start);
-                let mut end = start;
-                while end.saturating_sub(start) < width
-                    && self
-                        .occupied
-                        .get(end as usize)
-                        .is_some_and(|bin| bin.get() < bins.end)
-                {
-                    end += 1;
-                }
-                start..end
-            }
-        }
+        let Some(occupied) = self.occupied else {
+            return bins;
+        };
+        let start = occupied.partition_point(|bin| bin.get() < bins.start);
+        // A run is a few bins of one row: walk instead of searching again.
+        let width = bins.end.saturating_sub(bins.start) as usize;
+        let run = occupied.get(start..).unwrap_or_default();
+        let length = run
+            .iter()
+            .take(width)
+            .take_while(|bin| bin.get() < bins.end)
+            .count();
+        // A section has fewer than 2³² keys.
+        start as u32..start.saturating_add(length) as u32
     }
 
     /// The places of `key`'s texels in the inverse bin map, within bounds.
@@ -85,18 +83,13 @@ impl<'a> BinIndex<'a> {
     #[inline]
     pub fn list(&self, key: u32) -> Result<Range<u32>, Finding> {
         let place = key as usize;
-        let finding = || {
-            Finding::new(Fault::IndexOrder)
-                .within(self.instance.section(INDEX))
-                .at(u64::from(key))
-        };
         match self.offsets.get(place..place.saturating_add(2)) {
-            Some([start, end])
-                if start.get() <= end.get() && end.get() <= self.instance.texel_count() =>
-            {
+            Some([start, end]) if start.get() <= end.get() && end.get() <= self.texel_count => {
                 Ok(start.get()..end.get())
             }
-            _ => Err(finding()),
+            _ => Err(Finding::new(Fault::IndexOrder)
+                .within(self.id)
+                .at(u64::from(key))),
         }
     }
 }

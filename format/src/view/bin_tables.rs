@@ -1,17 +1,14 @@
-//! All sections behind a method that bins normals, opened together.
+//! All sections that weigh bins, opened together.
 
 use super::{BinIndex, BinMap};
 use crate::container::Container;
 use crate::finding::{Fault, Finding};
 use crate::model::ForestShape;
-use crate::records::{
-    BIN_MAP, EXACT_NORMALS, ExactNormal, FOREST, ForestNode, INVERSE_BIN_MAP, Instance,
-    TexelPosition,
-};
+use crate::records::{BIN_MAP, FOREST, ForestNode, INVERSE_BIN_MAP, Instance, TexelPosition};
 use crate::section::{FourCc, SectionId};
 use zerocopy::{FromBytes, Immutable, KnownLayout, Unaligned};
 
-/// Bin map, index, inverse bin map, forest and exact normals of one instance.
+/// Bin map, index, inverse bin map and forest of one instance.
 #[derive(Clone, Copy, Debug)]
 pub struct BinTables<'a> {
     /// What the tables were baked for.
@@ -24,8 +21,6 @@ pub struct BinTables<'a> {
     pub positions: &'a [TexelPosition],
     /// Absent if no list is longer than a leaf.
     pub forest: Option<&'a [ForestNode]>,
-    /// Present if it was asked for.
-    pub exact_normals: Option<&'a [ExactNormal]>,
 }
 
 impl<'a> BinTables<'a> {
@@ -41,8 +36,10 @@ impl<'a> BinTables<'a> {
             bin_map: BinMap::open(container, instance)?,
             index: BinIndex::open(container, instance)?,
             positions: elements(container, instance, INVERSE_BIN_MAP, texels)?,
-            forest: optional(container, instance, FOREST, slots as usize)?,
-            exact_normals: optional(container, instance, EXACT_NORMALS, texels)?,
+            forest: match container.find(instance.section(FOREST)) {
+                Some(_) => Some(elements(container, instance, FOREST, slots as usize)?),
+                None => None,
+            },
         })
     }
 
@@ -90,21 +87,5 @@ pub(super) fn expect_count(id: SectionId, expected: usize, got: usize) -> Result
         Err(Finding::new(Fault::SectionCount)
             .within(id)
             .values(expected as u64, got as u64))
-    }
-}
-
-fn optional<'a, T>(
-    container: &Container<'a>,
-    instance: &Instance,
-    kind: FourCc,
-    count: usize,
-) -> Result<Option<&'a [T]>, Finding>
-where
-    T: FromBytes + Immutable + KnownLayout + Unaligned,
-{
-    if container.find(instance.section(kind)).is_some() {
-        elements(container, instance, kind, count).map(Some)
-    } else {
-        Ok(None)
     }
 }

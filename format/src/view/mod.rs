@@ -6,7 +6,9 @@
 mod bin_index;
 mod bin_map;
 mod bin_tables;
+mod exact_normals;
 
 pub use bin_index::BinIndex;
 pub use bin_map::BinMap;
 pub use bin_tables::BinTables;
+pub use exact_normals::ExactNormals;

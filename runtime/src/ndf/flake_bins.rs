@@ -11,8 +11,8 @@ use crate::microfacet::beckmann;
 use crate::microfacet::vector::dot;
 use crate::overlap::Parallelogram;
 use glintbake_format::model::{Footprint, HalfVector, Neighbourhood};
-use glintbake_format::records::{EXACT_NORMALS, ExactNormal, Instance};
-use glintbake_format::view::BinTables;
+use glintbake_format::records::{EXACT_NORMALS, Instance};
+use glintbake_format::view::{BinTables, ExactNormals};
 use glintbake_format::{Container, Fault, Finding};
 
 /// Which of the paper's sums answers a query.
@@ -45,6 +45,8 @@ impl Setting {
 #[derive(Clone, Copy, Debug)]
 pub struct FlakeBins<'a> {
     tables: BinTables<'a>,
+    /// A package stores them once, with its finest bins.
+    exact: Option<ExactNormals<'a>>,
     roughness: f64,
     setting: Setting,
     lookup: Lookup,
@@ -61,6 +63,7 @@ impl<'a> FlakeBins<'a> {
             .ok_or(Finding::new(Fault::InstanceField))?;
         Ok(Self {
             tables: BinTables::open(container, instance)?,
+            exact: find_exact_normals(container, instance)?,
             roughness,
             setting: Setting::default(),
             lookup: Lookup::Auto,
@@ -72,8 +75,8 @@ impl<'a> FlakeBins<'a> {
     /// # Errors
     /// [`QueryError::NotBaked`] if `setting` is [`Setting::Exact`] and the package has no exact normals.
     pub fn with_setting(mut self, setting: Setting) -> Result<Self, QueryError> {
-        if setting == Setting::Exact {
-            self.exact_normals()?;
+        if setting == Setting::Exact && self.exact.is_none() {
+            return Err(NO_EXACT_NORMALS);
         }
         self.setting = setting;
         Ok(self)
@@ -127,27 +130,38 @@ impl<'a> FlakeBins<'a> {
         Parallelogram::new(footprint, width, height, wrap)
     }
 
-    fn exact_normals(&self) -> Result<&'a [ExactNormal], QueryError> {
-        self.tables.exact_normals.ok_or(QueryError::NotBaked {
-            section: EXACT_NORMALS,
-            option: "--exact-normals",
-        })
-    }
-
     /// The normal of texel number `texel` as the setting sees it: its own, or its bin's centre.
     fn normal_of_texel(&self, texel: usize) -> Result<[f64; 3], QueryError> {
-        let grid = self.tables.instance.grid;
-        let (column, row) = grid.column_row(self.tables.bin_of_texel(texel)?);
         if self.setting != Setting::Exact {
+            let grid = self.tables.instance.grid;
+            let (column, row) = grid.column_row(self.tables.bin_of_texel(texel)?);
             return Ok(grid.centre(column, row));
         }
-        let [x, y] = self
-            .exact_normals()?
-            .get(texel)
-            .ok_or(Finding::new(Fault::SectionCount))?
-            .fractions();
-        Ok(grid.normal_in_bin(column, row, x, y).direction())
+        let exact = self.exact.as_ref().ok_or(NO_EXACT_NORMALS)?;
+        Ok(exact.normal(texel)?.direction())
     }
+}
+
+const NO_EXACT_NORMALS: QueryError = QueryError::NotBaked {
+    section: EXACT_NORMALS,
+    option: "--exact-normals",
+};
+
+/// The exact normals of the map of `instance`, which some instance of the package may store for all.
+fn find_exact_normals<'a>(
+    container: &Container<'a>,
+    instance: &Instance,
+) -> Result<Option<ExactNormals<'a>>, Finding> {
+    for other in container.instances() {
+        let other = other?;
+        if (other.layer, other.method) == (instance.layer, instance.method)
+            && (other.width, other.height) == (instance.width, instance.height)
+            && let Some(normals) = ExactNormals::open(container, &other)?
+        {
+            return Ok(Some(normals));
+        }
+    }
+    Ok(None)
 }
 
 impl Ndf for FlakeBins<'_> {
@@ -206,8 +220,8 @@ impl Ndf for FlakeBins<'_> {
         uniform: [f64; 4],
     ) -> Result<Option<HalfVector>, QueryError> {
         let parallelogram = self.parallelogram(footprint)?;
-        let point = parallelogram.point(uniform[0] - 0.5, uniform[1] - 0.5);
-        let (column, row) = map_shape(&self.tables).texel_at(point);
+        let (column, row) =
+            map_shape(&self.tables).texel_at(&parallelogram, uniform[0] - 0.5, uniform[1] - 0.5);
         let texel = self.tables.texel(column, row);
         let centre = self.normal_of_texel(texel)?;
         let drawn = beckmann::sample(centre, self.roughness, [uniform[2], uniform[3]]);

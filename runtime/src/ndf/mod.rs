@@ -6,6 +6,7 @@ mod bin_weights;
 mod flake_bins;
 mod specular_bins;
 
+pub use bin_weights::Lookup;
 pub use flake_bins::{FlakeBins, Setting};
 pub use specular_bins::SpecularBins;
 

@@ -82,8 +82,8 @@ impl Ndf for SpecularBins<'_> {
         uniform: [f64; 4],
     ) -> Result<Option<HalfVector>, QueryError> {
         let footprint = self.parallelogram(footprint)?;
-        let point = footprint.point(uniform[0] - 0.5, uniform[1] - 0.5);
-        let (column, row) = map_shape(&self.tables).texel_at(point);
+        let (column, row) =
+            map_shape(&self.tables).texel_at(&footprint, uniform[0] - 0.5, uniform[1] - 0.5);
         let texel = self.tables.texel(column, row);
         let grid = self.tables.instance.grid;
         let (column, row) = grid.column_row(self.tables.bin_of_texel(texel)?);
