@@ -1,6 +1,28 @@
-//! From normal maps to packages.
+//! From normal maps to `.glint` packages.
+//!
+//! ```text
+//! file ──image::read──► Raster ──normals::decode──► NormalMap ──bake──► PackagePlan ──package::publish──► file
+//! ```
+//!
+//! Each step takes the previous step's type and nothing else. [`oracle`] answers the same queries as a package,
+//! slowly and in f64, from a [`normals::NormalMap`] alone: it never sees baked bytes.
+//!
+//! Packages depend on the input's content and the recipe, on nothing else: transcendental functions come from
+//! `libm` on every platform, and parallel work is split by fixed sizes.
 #![deny(missing_docs)]
 
+mod bake;
+mod build;
+mod error;
 pub mod image;
+mod metadata;
+mod methods;
 pub mod normals;
 pub mod oracle;
+pub mod package;
+mod recipe;
+
+pub use bake::{bake, check};
+pub use error::BakeError;
+pub use package::PackagePlan;
+pub use recipe::{DEFAULT_LEAF_SIZE, LeftOut, MethodRecipe, Recipe, Source};

@@ -68,11 +68,12 @@ impl NormalMap {
 fn inside_disk(texel: [f32; 2]) -> [f32; 2] {
     let squared = |[s, t]: [f32; 2]| f64::from(s) * f64::from(s) + f64::from(t) * f64::from(t);
     let mut point = texel;
-    let mut length = libm::sqrt(squared(point));
+    let mut shrink = 0.0;
     while squared(point) > 1.0 {
+        // Rounding to f32 may step outside again: shrink by one part in 2²³ more until it does not.
+        let length = libm::sqrt(squared(point)) + shrink;
         point = point.map(|x| (f64::from(x) / length) as f32);
-        // Rounding to f32 may step outside again: shrink by one part in 2²⁴ until it does not.
-        length = 1.0 + f64::from(f32::EPSILON);
+        shrink = f64::from(f32::EPSILON);
     }
     point
 }

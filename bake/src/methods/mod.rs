@@ -1,0 +1,77 @@
+//! Recipes: what each method puts into a package. One file per method, of the method's name.
+
+mod bins;
+mod flake_bins;
+mod specular_bins;
+
+use crate::error::BakeError;
+use crate::normals::NormalMap;
+use crate::package::PackagePlan;
+use crate::recipe::{LeftOut, MethodRecipe};
+use glintbake_format::model::Method;
+use glintbake_format::records::Instance;
+
+/// What a method can be baked with.
+pub trait BakeMethod: Sync {
+    /// The method this is.
+    fn method(&self) -> Method;
+
+    /// Refuses options that are out of range or that the method does not have.
+    ///
+    /// # Errors
+    /// [`BakeError::Option`].
+    fn check(&self, recipe: &MethodRecipe) -> Result<(), BakeError>;
+
+    /// Bakes `map` by `recipe`, adding sections to `bake.plan` and one [`Instance`] per value of the recipe.
+    ///
+    /// # Errors
+    /// [`BakeError`] if the map does not fit the format.
+    fn bake(
+        &self,
+        map: &NormalMap,
+        recipe: &MethodRecipe,
+        bake: &mut Bake,
+    ) -> Result<(), BakeError>;
+}
+
+/// Every method that can be baked.
+pub const REGISTRY: &[&dyn BakeMethod] = &[&flake_bins::FlakeBins, &specular_bins::SpecularBins];
+
+/// The baker of `method`.
+pub fn find(method: Method) -> Option<&'static dyn BakeMethod> {
+    REGISTRY
+        .iter()
+        .copied()
+        .find(|baker| baker.method() == method)
+}
+
+/// A package in the making.
+pub struct Bake {
+    /// The sections so far.
+    pub plan: PackagePlan,
+    /// The instances so far.
+    pub instances: Vec<Instance>,
+    /// What was left out, and why.
+    pub left_out: Vec<LeftOut>,
+}
+
+impl Bake {
+    /// The number of the next instance.
+    pub fn next_number(&self) -> u16 {
+        self.instances.len() as u16 + 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glintbake_format::model::METHODS;
+
+    #[test]
+    fn every_method_of_the_format_has_one_baker() {
+        for &method in METHODS {
+            let bakers = REGISTRY.iter().filter(|baker| baker.method() == method);
+            assert_eq!(bakers.count(), 1, "{}", method.name());
+        }
+    }
+}

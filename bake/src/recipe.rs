@@ -1,0 +1,125 @@
+//! What a bake is asked for: the words of the recipe, and the hash that names it.
+
+use crate::image::{InputFile, ReadOptions};
+use crate::normals::{DecodeOptions, Statistics};
+use glintbake_format::model::Method;
+use serde::Serialize;
+
+/// Raised when the same recipe and inputs would give other bytes than the release before.
+const ALGORITHM_VERSION: u32 = 1;
+
+/// Everything that decides a package's bytes, besides the inputs' contents.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Recipe {
+    /// The layer of an EXR input, if one was named.
+    pub exr_layer: Option<String>,
+    /// The channels of an EXR input, if they were named.
+    pub exr_channels: Option<Vec<String>>,
+    /// How the input is decoded.
+    pub decode: DecodeOptions,
+    /// What is baked from it.
+    pub methods: Vec<MethodRecipe>,
+}
+
+/// What one method is asked for.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct MethodRecipe {
+    /// The method.
+    #[serde(serialize_with = "method_name")]
+    pub method: Method,
+    /// Beckmann roughnesses α, one instance each; empty for a method without a kernel.
+    pub roughness: Vec<f64>,
+    /// Bins a side, for a method that does not derive them.
+    pub bins: Option<u32>,
+    /// The longest list that is scanned without a tree.
+    pub leaf_size: u32,
+    /// Whether exact normals are stored, 4 bytes a texel.
+    pub exact_normals: bool,
+}
+
+/// Leaf size of a recipe that names none: with tight boxes, larger than the papers' 10 and 16 is faster and smaller.
+pub const DEFAULT_LEAF_SIZE: u32 = 32;
+
+impl MethodRecipe {
+    /// `method` with the roughnesses `roughness` and defaults for the rest.
+    pub fn new(method: Method, roughness: &[f64]) -> Self {
+        Self {
+            method,
+            roughness: roughness.to_vec(),
+            bins: None,
+            leaf_size: DEFAULT_LEAF_SIZE,
+            exact_normals: false,
+        }
+    }
+}
+
+fn method_name<S: serde::Serializer>(method: &Method, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(method.name())
+}
+
+/// Where the normals came from.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// The input file, by name, size and hash.
+    pub input: InputFile,
+    /// Statistics of its normals.
+    pub statistics: Statistics,
+}
+
+/// A section that is not in the package, and why.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct LeftOut {
+    /// The instance it would belong to.
+    pub instance: u16,
+    /// Its kind.
+    pub section: &'static str,
+    /// Why it is not there.
+    pub reason: &'static str,
+}
+
+impl Recipe {
+    /// A recipe for `methods`, its input read and decoded with every option at its default.
+    pub fn new(methods: Vec<MethodRecipe>) -> Self {
+        Self {
+            exr_layer: None,
+            exr_channels: None,
+            decode: DecodeOptions::default(),
+            methods,
+        }
+    }
+
+    /// How the input is read.
+    pub fn read_options(&self) -> ReadOptions {
+        ReadOptions {
+            exr_layer: self.exr_layer.clone(),
+            exr_channels: self.exr_channels.clone(),
+            ..ReadOptions::default()
+        }
+    }
+
+    /// The cache key: BLAKE3 of the recipe's canonical bytes, the inputs' hashes and the algorithm's version.
+    ///
+    /// Two bakes with the same key give the same bytes. Names of inputs are in it, as metadata records them.
+    pub fn hash(&self, inputs: &[&InputFile]) -> [u8; 32] {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&canonical_bytes(&(
+            ALGORITHM_VERSION,
+            env!("CARGO_PKG_VERSION"),
+            self,
+        )));
+        for input in inputs {
+            hasher.update(&canonical_bytes(&(&input.name, input.bytes)));
+            hasher.update(&input.blake3);
+        }
+        *hasher.finalize().as_bytes()
+    }
+}
+
+/// The canonical bytes of `value`; the only use of bincode, and never read back.
+fn canonical_bytes(value: &impl Serialize) -> Vec<u8> {
+    bincode::serde::encode_to_vec(value, bincode::config::standard())
+        .expect("recipes hold nothing that cannot be encoded")
+}
