@@ -1,1 +1,15 @@
-fn main() {}
+//! Everything that crosses crates, in the order a texel travels: weights, densities, samples, bytes.
+
+#![allow(missing_docs, reason = "a test's name says what it shows")]
+
+mod brdf;
+mod determinism;
+mod energy;
+mod flake_bins;
+mod golden;
+mod hostile;
+mod opening;
+mod sampling;
+mod specular_bins;
+mod stress;
+mod weights;

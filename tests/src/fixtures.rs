@@ -1,0 +1,109 @@
+//! Maps, packages and queries for tests and benchmarks.
+
+use glintbake_bake::normals::NormalMap;
+use glintbake_bake::{MethodRecipe, Recipe, bake};
+use glintbake_format::model::{Footprint, HalfVector, Method, Wrap};
+use glintbake_samples::{Kind, Options, generate};
+
+/// A sample map of `kind`, `width` × `height` texels.
+pub fn sample_map(kind: Kind, width: u32, height: u32, seed: u64, wrap: Wrap) -> NormalMap {
+    let options = Options {
+        width,
+        height,
+        seed,
+        ..Options::new(kind, 1)
+    };
+    let sample = generate(kind, &options).expect("the sizes of fixtures are in range");
+    NormalMap::new(width, height, wrap, sample.normals)
+}
+
+/// The bytes of `map` baked for `flake-bins` at each roughness, with exact normals.
+pub fn flake_package(map: &NormalMap, roughness: &[f64], leaf_size: u32) -> Vec<u8> {
+    let recipe = MethodRecipe {
+        leaf_size,
+        exact_normals: true,
+        ..MethodRecipe::new(Method::FlakeBins, roughness)
+    };
+    package(map, recipe)
+}
+
+/// The bytes of `map` baked for `specular-bins` with `bins` a side.
+pub fn specular_package(map: &NormalMap, bins: u32) -> Vec<u8> {
+    let recipe = MethodRecipe {
+        bins: Some(bins),
+        ..MethodRecipe::new(Method::SpecularBins, &[])
+    };
+    package(map, recipe)
+}
+
+/// The bytes of `map` baked by `recipe`.
+pub fn package(map: &NormalMap, recipe: MethodRecipe) -> Vec<u8> {
+    bake(map, &Recipe::new(vec![recipe]), None)
+        .expect("the recipes of fixtures are in range")
+        .to_bytes()
+}
+
+/// A small stream of numbers in [0, 1) that depends on its seed alone (a Weyl sequence, finalised as in `MurmurHash3`).
+#[derive(Clone, Debug)]
+pub struct Stream(u64);
+
+impl Stream {
+    /// The stream of `seed`.
+    pub fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15))
+    }
+
+    /// The next number in [0, 1).
+    pub fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 33)).wrapping_mul(0xFF51_AFD7_ED55_8CCD);
+        bits = (bits ^ (bits >> 33)).wrapping_mul(0xC4CE_B9FE_1A85_EC53);
+        ((bits ^ (bits >> 33)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// The next number in [`low`, `high`).
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.uniform()
+    }
+
+    /// A footprint around a random point, with edges of about `texels` texels at random angles on `map`.
+    pub fn footprint(&mut self, map: &NormalMap, texels: f64) -> Footprint {
+        let size = [f64::from(map.width()), f64::from(map.height())];
+        let mut edge = || {
+            let angle = self.between(0.0, core::f64::consts::TAU);
+            let length = texels * self.between(0.5, 1.5);
+            [
+                length * angle.cos() / size[0],
+                length * angle.sin() / size[1],
+            ]
+        };
+        let (edge_1, edge_2) = (edge(), edge());
+        Footprint {
+            centre: [self.between(-2.0, 3.0), self.between(-2.0, 3.0)],
+            edge_1,
+            edge_2,
+        }
+    }
+
+    /// The normal of a random texel near the middle of `footprint`, moved by up to `spread` on the disk.
+    pub fn half_vector_near(
+        &mut self,
+        map: &NormalMap,
+        footprint: &Footprint,
+        spread: f64,
+    ) -> HalfVector {
+        let (a, b) = (self.uniform() - 0.5, self.uniform() - 0.5);
+        let place = |axis: usize, size: u32| {
+            let x =
+                footprint.centre[axis] + a * footprint.edge_1[axis] + b * footprint.edge_2[axis];
+            ((x - x.floor()) * f64::from(size)) as usize % size as usize
+        };
+        let texel = place(1, map.height()) * map.width() as usize + place(0, map.width());
+        let [s, t] = map.texels()[texel];
+        HalfVector {
+            s: f64::from(s) + self.between(-spread, spread),
+            t: f64::from(t) + self.between(-spread, spread),
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! The same inputs and options give the same bytes, whatever the number of threads.
+
+use glintbake_bake::normals::NormalMap;
+use glintbake_bake::{MethodRecipe, Recipe, bake};
+use glintbake_format::model::{Method, Wrap};
+use glintbake_runtime::Package;
+use glintbake_samples::Kind;
+use glintbake_tests::fixtures::sample_map;
+
+fn recipe() -> Recipe {
+    let flakes = MethodRecipe {
+        exact_normals: true,
+        ..MethodRecipe::new(Method::FlakeBins, &[0.002, 0.05])
+    };
+    Recipe::new(vec![flakes, MethodRecipe::new(Method::SpecularBins, &[])])
+}
+
+fn bytes_with_threads(kind: Kind, threads: usize) -> Vec<u8> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .expect("a pool of a few threads starts");
+    // Large enough that work is split, and generated anew so that the samples are covered as well.
+    pool.install(|| {
+        let map = sample_map(kind, 400, 700, 11, Wrap::Repeat);
+        bake(&map, &recipe(), None)
+            .expect("the recipe is in range")
+            .to_bytes()
+    })
+}
+
+#[test]
+fn bytes_do_not_depend_on_the_number_of_threads_or_the_run() {
+    for kind in [Kind::Flakes, Kind::Noise] {
+        let one = bytes_with_threads(kind, 1);
+        for threads in [1, 2, 8] {
+            assert!(
+                one == bytes_with_threads(kind, threads),
+                "{} {threads}",
+                kind.name()
+            );
+        }
+    }
+}
+
+#[test]
+fn the_recipe_hash_tells_recipes_apart() {
+    let map = NormalMap::new(4, 4, Wrap::Repeat, vec![[0.0, 0.0]; 16]);
+    let hash = |recipe: &Recipe| {
+        let bytes = bake(&map, recipe, None).expect("in range").to_bytes();
+        Package::open(&bytes)
+            .expect("fresh")
+            .container()
+            .header()
+            .recipe_hash
+    };
+    let base = recipe();
+    let mut seen = vec![hash(&base)];
+    let mut changes: Vec<Box<dyn Fn(&mut Recipe)>> = Vec::new();
+    changes.push(Box::new(|recipe| recipe.methods[0].roughness[0] = 0.003));
+    changes.push(Box::new(|recipe| recipe.methods[0].leaf_size = 10));
+    changes.push(Box::new(|recipe| recipe.methods[0].exact_normals = false));
+    changes.push(Box::new(|recipe| recipe.methods[1].bins = Some(63)));
+    changes.push(Box::new(|recipe| recipe.methods.truncate(1)));
+    changes.push(Box::new(|recipe| recipe.decode.repair = true));
+    changes.push(Box::new(|recipe| recipe.exr_layer = Some("N".to_owned())));
+    for change in changes {
+        let mut changed = base.clone();
+        change(&mut changed);
+        let hash = hash(&changed);
+        assert!(!seen.contains(&hash), "{changed:?}");
+        seen.push(hash);
+    }
+    assert_eq!(hash(&base), seen[0]);
+}
+
+#[test]
+fn baked_sections_match_their_snapshot() {
+    let map = sample_map(Kind::Flakes, 96, 64, 7, Wrap::Repeat);
+    let bytes = bake(&map, &recipe(), None).expect("in range").to_bytes();
+    let package = Package::open(&bytes).expect("fresh");
+    let sections: Vec<_> = package
+        .container()
+        .entries()
+        .iter()
+        .map(|entry| {
+            // The metadata names the tool's version, so only its presence is pinned.
+            let crc = match &entry.kind.0 {
+                b"META" => "any".to_owned(),
+                _ => format!("{:08x}", entry.crc.get()),
+            };
+            format!(
+                "{} of {}: {} elements of {} bytes, CRC-32 {crc}",
+                entry.kind,
+                entry.instance.get(),
+                if &entry.kind.0 == b"META" {
+                    0
+                } else {
+                    entry.count.get()
+                },
+                entry.element_size.get(),
+            )
+        })
+        .collect();
+    insta::assert_json_snapshot!(sections);
+}

@@ -1,0 +1,320 @@
+//! Damaged and lying packages: a typed finding, never a panic, a hang or a wrong number that looks right.
+
+use glintbake_format::model::{Footprint, HalfVector, Neighbourhood, Wrap};
+use glintbake_format::records::{FOREST, INDEX, INVERSE_BIN_MAP};
+use glintbake_format::{Container, ENTRY_LENGTH, Fault, FourCc, HEADER_LENGTH, Header, check};
+use glintbake_runtime::ndf::Lookup;
+use glintbake_runtime::{Ndf, Package, Setting, SurfaceNdf};
+use glintbake_samples::Kind;
+use glintbake_tests::fixtures::{Stream, flake_package, sample_map, specular_package};
+use proptest::prelude::*;
+
+/// A small package with every kind of section: dense and sparse index, forest, exact normals.
+fn small_package() -> Vec<u8> {
+    let map = sample_map(Kind::Flakes, 12, 10, 5, Wrap::Repeat);
+    flake_package(&map, &[0.4, 0.002], 2)
+}
+
+/// Asks a package everything there is to ask; only that it answers at all is of interest here.
+fn interrogate(bytes: &[u8]) {
+    let Ok(package) = Package::open(bytes) else {
+        return;
+    };
+    let container = package.container();
+    check::structure(container, &mut |_| {});
+    let footprints = [
+        Footprint::square([0.3, 0.6], 3.0, 12, 10),
+        Footprint::square([0.3, 0.6], 0.0, 12, 10),
+        Footprint {
+            centre: [-7.2, 3.9],
+            edge_1: [2.5, 0.4],
+            edge_2: [-0.3, 3.5],
+        },
+    ];
+    for instance in package.instances() {
+        let Ok(ndf) = package.ndf(instance.number) else {
+            continue;
+        };
+        let mut variants = vec![ndf];
+        variants.extend(ndf.with_setting(Setting::Exact));
+        if let SurfaceNdf::FlakeBins(flakes) = ndf {
+            variants.extend(
+                [Lookup::Lists, Lookup::Scan]
+                    .map(|lookup| SurfaceNdf::FlakeBins(flakes.with_lookup(lookup))),
+            );
+        }
+        for (ndf, footprint) in variants
+            .iter()
+            .flat_map(|ndf| footprints.iter().map(move |footprint| (ndf, footprint)))
+        {
+            for h in [(0.0, 0.0), (0.1, -0.2), (0.99, 0.0)].map(|(s, t)| HalfVector { s, t }) {
+                for value in [ndf.eval(footprint, h), ndf.pdf(footprint, h)]
+                    .into_iter()
+                    .flatten()
+                {
+                    assert!(value.is_finite() && value >= 0.0, "{value}");
+                }
+            }
+            if let Ok(Some(h)) = ndf.sample(footprint, [0.9, 0.1, 0.5, 0.5]) {
+                assert!(h.s.is_finite() && h.t.is_finite());
+            }
+        }
+    }
+}
+
+fn finds_something(bytes: &[u8]) -> bool {
+    match Container::open(bytes) {
+        Err(_) => true,
+        Ok(container) => {
+            let mut found = false;
+            check::full(&container, &mut |_| found = true);
+            found
+        }
+    }
+}
+
+#[test]
+fn a_sound_package_has_no_findings() {
+    let map = sample_map(Kind::Noise, 40, 33, 5, Wrap::Clamp);
+    for bytes in [
+        small_package(),
+        specular_package(&map, 40),
+        flake_package(&map, &[0.01], 1),
+        flake_package(&map, &[0.9], 1),
+    ] {
+        let container = Container::open(&bytes).unwrap();
+        check::full(&container, &mut |finding| panic!("{finding}"));
+    }
+}
+
+#[test]
+fn every_flipped_bit_is_found() {
+    let sound = small_package();
+    let mut bytes = sound.clone();
+    for place in 0..bytes.len() {
+        // One bit each, another one at every byte; all eight in the header and the table.
+        let head = place < HEADER_LENGTH + 16 * ENTRY_LENGTH;
+        for bit in if head { 0..8 } else { place % 8..place % 8 + 1 } {
+            bytes[place] ^= 1 << bit;
+            assert!(finds_something(&bytes), "bit {bit} of byte {place}");
+            bytes[place] ^= 1 << bit;
+        }
+    }
+    assert_eq!(bytes, sound);
+}
+
+#[test]
+fn every_truncation_is_an_error_at_opening() {
+    let sound = small_package();
+    for length in 0..sound.len() {
+        let finding = Container::open(&sound[..length]).expect_err("a cut package does not open");
+        if length >= HEADER_LENGTH {
+            assert_eq!(finding.fault, Fault::FileLength, "{length}");
+        }
+    }
+    let mut longer = sound;
+    longer.push(0);
+    assert_eq!(
+        Container::open(&longer).unwrap_err().fault,
+        Fault::FileLength
+    );
+}
+
+/// Recomputes every checksum, so that only the lie itself can be found.
+fn reseal(bytes: &mut [u8]) {
+    let count = u32::from_le_bytes(bytes[28..32].try_into().unwrap()) as usize;
+    let table_end = HEADER_LENGTH + count * ENTRY_LENGTH;
+    for entry in 0..count {
+        let at = HEADER_LENGTH + entry * ENTRY_LENGTH;
+        let word = |place: usize| {
+            u64::from_le_bytes(bytes[at + place..at + place + 8].try_into().unwrap()) as usize
+        };
+        let (offset, length) = (word(24), word(32));
+        if let Some(section) = bytes.get(offset..offset.saturating_add(length)) {
+            let crc = crc32(section);
+            bytes[at + 48..at + 52].copy_from_slice(&crc.to_le_bytes());
+        }
+    }
+    let table_crc = crc32(&bytes[HEADER_LENGTH..table_end]);
+    let header = Header::new(
+        bytes.len() as u64,
+        count as u32,
+        [0; 32],
+        [0; 32],
+        table_crc,
+    );
+    let fresh: &[u8] = zerocopy::IntoBytes::as_bytes(&header);
+    bytes[..HEADER_LENGTH].copy_from_slice(fresh);
+}
+
+/// CRC-32 bit by bit, apart from the library the package is written with.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0_u32, |crc, &byte| {
+        (0..8).fold(crc ^ u32::from(byte), |crc, _| {
+            (crc >> 1) ^ (0xEDB8_8320 & (crc & 1).wrapping_neg())
+        })
+    })
+}
+
+fn section_range(bytes: &[u8], kind: FourCc, instance: u16) -> std::ops::Range<usize> {
+    let container = Container::open(bytes).unwrap();
+    let entry = container
+        .entries()
+        .iter()
+        .find(|entry| entry.kind == kind && entry.instance.get() == instance)
+        .expect("the small package has every kind of section");
+    let start = entry.offset.get() as usize;
+    start..start + entry.length.get() as usize
+}
+
+#[test]
+fn lies_in_the_data_are_found_by_structure_alone_and_survived_by_queries() {
+    let sound = small_package();
+    let cases: [(FourCc, u16, Vec<u8>, Fault); 7] = [
+        (FourCc(*b"BMAP"), 1, vec![0xFF; 2], Fault::KeyRange),
+        (FourCc(*b"BMAP"), 1, vec![0x00; 4], Fault::PositionKey),
+        (INDEX, 1, vec![0xFF; 4], Fault::IndexOrder),
+        (FourCc(*b"BINS"), 2, vec![0xFF; 4], Fault::OccupiedBins),
+        (INVERSE_BIN_MAP, 1, vec![0xFF; 4], Fault::PositionRange),
+        (FOREST, 1, vec![0xFF; 16], Fault::ForestBox),
+        (FOREST, 1, vec![0x00; 16], Fault::ForestBox),
+    ];
+    for (kind, instance, lie, fault) in cases {
+        let mut bytes = sound.clone();
+        let range = section_range(&bytes, kind, instance);
+        // Lie about everything that can hold the lie, in turn: at least one place must be found under this fault.
+        let mut found = false;
+        for place in range.step_by(lie.len()) {
+            let end = (place + lie.len()).min(bytes.len());
+            let saved = bytes[place..end].to_vec();
+            bytes[place..end].copy_from_slice(&lie[..end - place]);
+            reseal(&mut bytes);
+            if let Ok(container) = Container::open(&bytes) {
+                check::structure(&container, &mut |finding| found |= finding.fault == fault);
+            }
+            interrogate(&bytes);
+            bytes[place..end].copy_from_slice(&saved);
+        }
+        assert!(
+            found,
+            "no lie in {kind} of {instance} was found as {fault:?}"
+        );
+    }
+}
+
+#[test]
+fn swapped_positions_are_found() {
+    let mut bytes = small_package();
+    let range = section_range(&bytes, INVERSE_BIN_MAP, 1);
+    let (first, second) = (range.start, range.end - 4);
+    for byte in 0..4 {
+        bytes.swap(first + byte, second + byte);
+    }
+    reseal(&mut bytes);
+    let mut faults = Vec::new();
+    let container = Container::open(&bytes).unwrap();
+    check::structure(&container, &mut |finding| faults.push(finding.fault));
+    assert!(faults.contains(&Fault::PositionKey), "{faults:?}");
+}
+
+#[test]
+fn lies_in_the_table_are_refused_at_opening() {
+    let sound = small_package();
+    let at = |entry: usize, place: usize| HEADER_LENGTH + entry * ENTRY_LENGTH + place;
+    let cases: [(usize, Vec<u8>, Fault); 9] = [
+        (at(2, 0), b"QQQQ".to_vec(), Fault::TableOrder),
+        (at(2, 6), vec![9, 0], Fault::TableOrder),
+        (at(2, 12), vec![2], Fault::ReservedNotZero),
+        (at(2, 16), vec![3], Fault::SectionSchema),
+        (at(2, 20), vec![2], Fault::SectionSchema),
+        (at(2, 24), vec![1], Fault::SectionOffset),
+        (at(2, 32), vec![0xFF; 8], Fault::SectionLength),
+        (at(2, 40), vec![0xFF; 8], Fault::SectionLength),
+        (at(2, 60), vec![1], Fault::ReservedNotZero),
+    ];
+    for (place, lie, fault) in cases {
+        let mut bytes = sound.clone();
+        bytes[place..place + lie.len()].copy_from_slice(&lie);
+        reseal(&mut bytes);
+        let finding = Container::open(&bytes).expect_err("a lying table does not open");
+        assert_eq!(finding.fault, fault, "byte {place}: {finding}");
+    }
+}
+
+#[test]
+fn unknown_sections_are_skipped_unless_critical() {
+    let sound = small_package();
+    // The metadata, renamed to a kind that sorts into the same place.
+    let entry = HEADER_LENGTH + ENTRY_LENGTH;
+    assert_eq!(&sound[entry..entry + 4], b"META");
+    let mut bytes = sound;
+    bytes[entry..entry + 4].copy_from_slice(b"ZZZZ");
+    reseal(&mut bytes);
+    let container = Container::open(&bytes).expect("an unknown kind is skipped");
+    let mut faults = Vec::new();
+    check::structure(&container, &mut |finding| faults.push(finding.fault));
+    assert_eq!(faults, [Fault::SectionMissing], "the metadata is missed");
+    bytes[entry + 12] = 1;
+    reseal(&mut bytes);
+    assert_eq!(
+        Container::open(&bytes).unwrap_err().fault,
+        Fault::UnknownSection
+    );
+}
+
+#[test]
+fn every_byte_of_a_small_package_may_lie_without_harm() {
+    let sound = small_package();
+    let mut stream = Stream::new(1);
+    for place in HEADER_LENGTH..sound.len() {
+        let mut bytes = sound.clone();
+        bytes[place] = (stream.uniform() * 256.0) as u8;
+        reseal(&mut bytes);
+        interrogate(&bytes);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(256) })]
+
+    #[test]
+    fn any_bytes_open_or_give_a_finding(bytes in proptest::collection::vec(any::<u8>(), 0..2048)) {
+        interrogate(&bytes);
+    }
+
+    #[test]
+    fn any_few_lies_are_survived(
+        lies in proptest::collection::vec((any::<proptest::sample::Index>(), any::<u8>()), 1..12)
+    ) {
+        let mut bytes = small_package();
+        let data = bytes.len() - HEADER_LENGTH;
+        for (place, lie) in lies {
+            bytes[HEADER_LENGTH + place.index(data)] = lie;
+        }
+        reseal(&mut bytes);
+        interrogate(&bytes);
+    }
+
+    #[test]
+    fn any_query_has_an_answer_or_a_typed_error(
+        centre in any::<[f64; 2]>(),
+        edge_1 in any::<[f64; 2]>(),
+        edge_2 in any::<[f64; 2]>(),
+        s in -1.5..1.5,
+        t in any::<f64>(),
+        paper in any::<bool>(),
+    ) {
+        let bytes = small_package();
+        let package = Package::open(&bytes).unwrap();
+        let footprint = Footprint { centre, edge_1, edge_2 };
+        for instance in package.instances() {
+            let mut ndf = package.ndf(instance.number).unwrap();
+            if paper {
+                ndf = ndf.with_setting(Setting::Binned(Neighbourhood::Bins21)).unwrap();
+            }
+            if let Ok(value) = ndf.eval(&footprint, HalfVector { s, t }) {
+                prop_assert!(value.is_finite() && value >= 0.0);
+            }
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! Bin weights of the runtime against the oracle's, which clips in another space by other means.
+
+use glintbake_bake::normals::NormalMap;
+use glintbake_bake::oracle;
+use glintbake_format::model::{BinGrid, Binning, Footprint, Neighbourhood, Wrap};
+use glintbake_runtime::ndf::Lookup;
+use glintbake_runtime::{FlakeBins, Ndf, Package, SurfaceNdf};
+use glintbake_samples::Kind;
+use glintbake_tests::fixtures::{Stream, flake_package, sample_map};
+use glintbake_tests::tolerances::{WEIGHT, WEIGHT_ROUNDING, WEIGHT_SUM};
+use std::collections::BTreeMap;
+
+/// Weights of all bins of a coarse grid, gathered window by window.
+fn all_weights(ndf: &FlakeBins<'_>, footprint: &Footprint) -> BTreeMap<(u32, u32), f64> {
+    let grid = ndf.instance().grid;
+    let mut weights = BTreeMap::new();
+    // Windows of 5 × 5 lie within 7 × 7 without corners, and tile the grid without overlap.
+    let centres = || (2..grid.resolution() + 2).step_by(5);
+    for (row, column) in centres().flat_map(|row| centres().map(move |column| (row, column))) {
+        let column = column.min(grid.resolution() - 1);
+        let row = row.min(grid.resolution() - 1);
+        let centre = grid.normal_in_bin(column, row, 0.5, 0.5);
+        ndf.bin_weights(
+            footprint,
+            centre,
+            Neighbourhood::Bins45,
+            &mut |x, y, weight| {
+                let previous = weights.insert((x, y), weight);
+                assert!(
+                    previous.is_none_or(|previous| previous == weight),
+                    "two windows disagree about bin ({x}, {y})"
+                );
+            },
+        )
+        .expect("the fixture's footprints are in range");
+    }
+    weights
+}
+
+fn flake_bins<'a>(package: &Package<'a>) -> FlakeBins<'a> {
+    match package.ndf(1).expect("the fixture has an instance") {
+        SurfaceNdf::FlakeBins(ndf) => ndf,
+        SurfaceNdf::SpecularBins(_) => panic!("the fixture was baked for flake-bins"),
+    }
+}
+
+/// Largest difference of any bin's weight, both ways to look weights up, and the sum.
+fn compare(map: &NormalMap, alpha: f64, leaf_size: u32, footprints: &[Footprint], tolerance: f64) {
+    let lookups = [Lookup::Lists, Lookup::Scan, Lookup::Auto];
+    compare_by(&lookups, map, alpha, leaf_size, footprints, tolerance);
+}
+
+fn compare_by(
+    lookups: &[Lookup],
+    map: &NormalMap,
+    alpha: f64,
+    leaf_size: u32,
+    footprints: &[Footprint],
+    tolerance: f64,
+) {
+    let bytes = flake_package(map, &[alpha], leaf_size);
+    let package = Package::open(&bytes).expect("a fresh package opens");
+    for footprint in footprints {
+        let expected = oracle::flake_bins::bin_weights(map, footprint, alpha);
+        for &lookup in lookups {
+            let ndf = flake_bins(&package).with_lookup(lookup);
+            let weights = all_weights(&ndf, footprint);
+            let sum: f64 = weights.values().sum();
+            assert!(
+                (sum - 1.0).abs() <= WEIGHT_SUM,
+                "weights of {footprint:?} add up to {sum} by {lookup:?}"
+            );
+            for bin in weights.keys().chain(expected.keys()) {
+                let difference =
+                    weights.get(bin).unwrap_or(&0.0) - expected.get(bin).unwrap_or(&0.0);
+                assert!(
+                    difference.abs() <= tolerance,
+                    "bin {bin:?} of {footprint:?} is off by {difference:e} by {lookup:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn weights_equal_the_oracles_on_every_kind_of_map() {
+    for (seed, kind) in (1..).zip([
+        Kind::Flakes,
+        Kind::Scratches,
+        Kind::Brushed,
+        Kind::Waves,
+        Kind::Leather,
+        Kind::Noise,
+    ]) {
+        for (width, height, wrap) in [
+            (64, 64, Wrap::Repeat),
+            (37, 61, Wrap::Repeat),
+            (53, 32, Wrap::Clamp),
+        ] {
+            let map = sample_map(kind, width, height, seed, wrap);
+            let mut stream = Stream::new(seed);
+            let footprints: Vec<_> = [0.01, 0.5, 3.0, 16.0, 100.0]
+                .into_iter()
+                .flat_map(|texels| [texels; 4])
+                .map(|texels| stream.footprint(&map, texels))
+                .collect();
+            compare(&map, 0.16, 4, &footprints, WEIGHT_ROUNDING);
+        }
+    }
+}
+
+#[test]
+fn weights_equal_the_oracles_for_degenerate_and_axis_aligned_footprints() {
+    for wrap in [Wrap::Repeat, Wrap::Clamp] {
+        let map = sample_map(Kind::Flakes, 40, 24, 3, wrap);
+        let texel = [1.0 / 40.0, 1.0 / 24.0];
+        let shapes = [
+            // A point, segments along and across, parallel edges, nearly parallel edges, whole texels, a mirrored box.
+            ([0.0, 0.0], [0.0, 0.0]),
+            ([5.0, 0.0], [0.0, 0.0]),
+            ([0.0, 0.0], [0.0, -7.5]),
+            ([3.0, 2.0], [0.0, 0.0]),
+            ([3.0, 2.0], [1.5, 1.0]),
+            ([3.0, 2.0], [-6.0, -4.0]),
+            ([3.0, 2.0], [3.0, 2.000_000_1]),
+            ([30.0, 0.0], [0.0, 1e-9]),
+            ([4.0, 0.0], [0.0, 4.0]),
+            ([-4.0, 0.0], [0.0, 4.0]),
+            ([40.0, 0.0], [0.0, 24.0]),
+            ([120.0, 0.0], [0.0, 48.0]),
+        ];
+        // On a corner of texels, within a texel, on the tile's corner, far away.
+        let centres = [
+            [0.25, 0.5],
+            [0.313, 0.777],
+            [0.0, 0.0],
+            [-1e6 + 0.7, 1e6 + 0.1],
+        ];
+        let footprints: Vec<_> = shapes
+            .into_iter()
+            .flat_map(|(first, second)| {
+                centres.map(|centre| Footprint {
+                    centre,
+                    edge_1: [first[0] * texel[0], first[1] * texel[1]],
+                    edge_2: [second[0] * texel[0], second[1] * texel[1]],
+                })
+            })
+            .collect();
+        // Edges that run exactly along a texel border may give the border's measure-zero line to either side once
+        // rounding of the sheared edge moves it; such cases are compared on the promise, not on rounding.
+        compare(&map, 0.3, 2, &footprints, WEIGHT);
+    }
+}
+
+#[test]
+fn weights_hold_for_every_leaf_size_and_for_maps_of_one_row() {
+    for leaf_size in [1, 2, 10, 64, 100_000] {
+        let map = sample_map(Kind::Waves, 1, 97, 5, Wrap::Repeat);
+        let mut stream = Stream::new(u64::from(leaf_size));
+        let footprints = [0.3, 5.0, 40.0].map(|texels| stream.footprint(&map, texels));
+        compare(&map, 0.2, leaf_size, &footprints, WEIGHT_ROUNDING);
+    }
+}
+
+#[test]
+fn the_largest_footprint_is_the_maps_average() {
+    let map = sample_map(Kind::Flakes, 32, 32, 9, Wrap::Repeat);
+    let tiles = Footprint {
+        centre: [0.5, 0.5],
+        edge_1: [64.0, 0.0],
+        edge_2: [0.0, 64.0],
+    };
+    // A scan would refuse to visit each texel of the border's tiles.
+    compare_by(
+        &[Lookup::Lists, Lookup::Auto],
+        &map,
+        0.25,
+        8,
+        &[tiles],
+        WEIGHT_ROUNDING,
+    );
+}
+
+#[test]
+fn a_sparse_index_gives_the_same_weights() {
+    // 4 096 texels against 23 571² bins: keys are ranks of occupied bins.
+    let map = sample_map(Kind::Noise, 64, 64, 2, Wrap::Repeat);
+    let alpha = 1e-3;
+    let bytes = flake_package(&map, &[alpha], 32);
+    let package = Package::open(&bytes).expect("a fresh package opens");
+    let ndf = flake_bins(&package);
+    let grid =
+        BinGrid::new(Binning::DiskGrid, oracle::flake_bins::resolution(alpha)).expect("in range");
+    let mut stream = Stream::new(8);
+    for _ in 0..50 {
+        let footprint = stream.footprint(&map, 20.0);
+        let half_vector = stream.half_vector_near(&map, &footprint, 1e-3);
+        let expected = oracle::flake_bins::bin_weights(&map, &footprint, alpha);
+        let (column, row) = grid.bin_of(half_vector);
+        let mut seen = 0.0;
+        ndf.bin_weights(
+            &footprint,
+            half_vector,
+            Neighbourhood::Bins45,
+            &mut |x, y, weight| {
+                let difference = weight - expected.get(&(x, y)).unwrap_or(&0.0);
+                assert!(difference.abs() < WEIGHT_ROUNDING, "bin ({x}, {y})");
+                seen += weight;
+            },
+        )
+        .expect("in range");
+        let near: f64 = expected
+            .iter()
+            .filter(|((x, y), _)| {
+                let (dx, dy) = (x.abs_diff(column), y.abs_diff(row));
+                dx <= 3 && dy <= 3 && dx + dy < 6
+            })
+            .map(|(_, weight)| weight)
+            .sum();
+        assert!((seen - near).abs() < WEIGHT_ROUNDING, "no bin is missed");
+    }
+}
