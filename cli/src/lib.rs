@@ -1,1 +1,48 @@
-//! cli
+//! The `glintbake` command line: bake normal maps into packages; inspect, verify, query and picture them.
+//!
+//! One file per verb in [`commands`]; each parses nothing and prints little: arguments come typed from [`args`],
+//! results go to standard output (as JSON with `--json`), progress and warnings to standard error.
+
+pub mod args;
+pub mod commands;
+pub mod exit;
+pub mod output;
+pub mod picture;
+
+use args::{Cli, Command};
+use clap::Parser;
+use exit::{CommandError, Failure};
+use output::Console;
+use std::process::ExitCode;
+
+/// Runs the command line of this process; returns its exit code.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let console = Console::new(cli.quiet, cli.command.wants_json());
+    match run(&cli, &console) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            console.error(&error);
+            ExitCode::from(error.failure.code())
+        }
+    }
+}
+
+/// Runs one parsed command line.
+///
+/// # Errors
+/// [`CommandError`] with the exit code and the sentence for the user.
+pub fn run(cli: &Cli, console: &Console) -> Result<(), CommandError> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(cli.threads)
+        .build()
+        .map_err(|error| CommandError::new(Failure::Usage, format!("--threads: {error}")))?;
+    pool.install(|| match &cli.command {
+        Command::Sample(arguments) => commands::sample::run(arguments, console),
+        Command::Bake(arguments) => commands::bake::run(arguments, console),
+        Command::Inspect(arguments) => commands::inspect::run(arguments, console),
+        Command::Verify(arguments) => commands::verify::run(arguments, console),
+        Command::Query(arguments) => commands::query::run(arguments, console),
+        Command::Picture(arguments) => commands::picture::run(arguments, console),
+    })
+}

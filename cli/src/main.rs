@@ -1,2 +1,7 @@
-//! The thin binary.
-fn main() {}
+//! The `glintbake` program; all it does is in the library.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    glintbake_cli::main()
+}

@@ -49,7 +49,7 @@ const BINS: Partition = Partition {
 /// Samples drawn.
 const SAMPLES: usize = 200_000;
 /// Midpoints per side of a cell, for integrating the pdf; kernels used here span several cells.
-const MIDPOINTS: usize = 10;
+const MIDPOINTS: usize = 16;
 /// Cells that expect fewer samples are pooled: the χ² law needs about five.
 const LEAST_EXPECTED: f64 = 5.0;
 
