@@ -12,7 +12,7 @@
 #![deny(missing_docs)]
 
 mod bake;
-mod build;
+pub mod build;
 mod error;
 pub mod image;
 mod metadata;

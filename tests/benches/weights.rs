@@ -1,0 +1,113 @@
+//! Nanoseconds per query of `flake-bins` by footprint size, map and way to the weights, in one run.
+//!
+//! `cargo bench -p glintbake-tests --bench weights`. 2048² maps at α = 0.01, square footprints at random places
+//! (cold: no two queries share a neighbourhood) turned by a random angle, half vectors drawn from the footprint.
+//! The ratio of `scan` to `lists` says where a query should change its way.
+
+use divan::counter::ItemsCount;
+use glintbake_bake::normals::NormalMap;
+use glintbake_format::model::{Footprint, HalfVector, Wrap};
+use glintbake_runtime::ndf::Lookup;
+use glintbake_runtime::{Ndf, Package, Setting, SurfaceNdf};
+use glintbake_samples::Kind;
+use glintbake_tests::fixtures::{Stream, flake_package, sample_map};
+use std::sync::LazyLock;
+
+const ALPHA: f64 = 0.01;
+const SIDE: u32 = 2048;
+/// Edges of the footprints in texels (2σ): 16 texels to a million.
+const EDGES: [u32; 6] = [4, 16, 32, 64, 256, 1024];
+const QUERIES: usize = 256;
+const KINDS: [Kind; 4] = [Kind::Flakes, Kind::Brushed, Kind::Scratches, Kind::Noise];
+
+struct Scene {
+    map: NormalMap,
+    bytes: Vec<u8>,
+}
+
+static SCENES: LazyLock<Vec<Scene>> = LazyLock::new(|| {
+    KINDS
+        .iter()
+        .map(|&kind| {
+            let map = sample_map(kind, SIDE, SIDE, 7, Wrap::Repeat);
+            let bytes = flake_package(&map, &[ALPHA], 32);
+            Scene { map, bytes }
+        })
+        .collect()
+});
+
+fn queries(map: &NormalMap, edge: f64) -> Vec<(Footprint, HalfVector)> {
+    let mut stream = Stream::new(3);
+    (0..QUERIES)
+        .map(|_| {
+            let angle = stream.between(0.0, std::f64::consts::TAU);
+            let length = edge / f64::from(SIDE);
+            let footprint = Footprint {
+                centre: [stream.uniform(), stream.uniform()],
+                edge_1: [length * angle.cos(), length * angle.sin()],
+                edge_2: [-length * angle.sin(), length * angle.cos()],
+            };
+            let half_vector = stream.half_vector_near(map, &footprint, 0.3 * ALPHA);
+            (footprint, half_vector)
+        })
+        .collect()
+}
+
+fn run(bencher: divan::Bencher<'_, '_>, kind: usize, edge: u32, lookup: Option<Lookup>) {
+    let scene = &SCENES[kind];
+    let package = Package::open(&scene.bytes).expect("a fresh package opens");
+    let SurfaceNdf::FlakeBins(ndf) = package.ndf(1).expect("it has one instance") else {
+        unreachable!("baked for flake-bins");
+    };
+    let ndf = match lookup {
+        Some(lookup) => ndf.with_lookup(lookup),
+        None => ndf
+            .with_setting(Setting::Exact)
+            .expect("baked with exact normals"),
+    };
+    let queries = queries(&scene.map, f64::from(edge));
+    bencher
+        .counter(ItemsCount::new(queries.len()))
+        .bench_local(|| {
+            queries
+                .iter()
+                .map(|(footprint, half_vector)| {
+                    ndf.eval(footprint, *half_vector).expect("in range")
+                })
+                .sum::<f64>()
+        });
+}
+
+macro_rules! benches {
+    ($($map:ident = $kind:literal),+) => {
+        $(mod $map {
+            use super::*;
+
+            #[divan::bench(args = EDGES)]
+            fn lists(bencher: divan::Bencher<'_, '_>, edge: u32) {
+                run(bencher, $kind, edge, Some(Lookup::Lists));
+            }
+
+            #[divan::bench(args = EDGES)]
+            fn scan(bencher: divan::Bencher<'_, '_>, edge: u32) {
+                run(bencher, $kind, edge, Some(Lookup::Scan));
+            }
+
+            #[divan::bench(args = EDGES)]
+            fn auto(bencher: divan::Bencher<'_, '_>, edge: u32) {
+                run(bencher, $kind, edge, Some(Lookup::Auto));
+            }
+
+            #[divan::bench(args = EDGES)]
+            fn exact(bencher: divan::Bencher<'_, '_>, edge: u32) {
+                run(bencher, $kind, edge, None);
+            }
+        })+
+    };
+}
+
+benches!(flakes = 0, brushed = 1, scratches = 2, noise = 3);
+
+fn main() {
+    divan::main();
+}
