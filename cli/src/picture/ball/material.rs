@@ -1,0 +1,220 @@
+//! What the ball is made of: a metal with the baked map's facets, under a coloured clear coat.
+
+use super::surface::Point;
+use super::vector::{Vector, add, dot, normalised};
+use glintbake_format::model::{Footprint, HalfVector};
+use glintbake_runtime::microfacet::beckmann;
+use glintbake_runtime::microfacet::fresnel::Fresnel;
+use glintbake_runtime::{Facet, Ndf, QueryError};
+use libm::{exp, log, sqrt};
+
+/// Towards the viewer.
+pub(super) const VIEWER: Vector = [0.0, 0.0, 1.0];
+
+/// Aluminium at 550 nm.
+const METAL: Fresnel = Fresnel::Conductor {
+    eta: 0.96,
+    kappa: 6.69,
+};
+
+/// Lacquer.
+const COAT_ETA: f64 = 1.5;
+const COAT: Fresnel = Fresnel::Dielectric { eta: COAT_ETA };
+
+/// What the coat lets through on the way down and up again at normal incidence, by colour: blue.
+const COAT_COLOUR: Vector = [0.10, 0.34, 0.86];
+
+/// The facets' BRDF times cosine, and the density with which their sampler draws the light's direction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Scattering {
+    pub(super) value: f64,
+    pub(super) density: f64,
+}
+
+/// What the patch under `footprint` does with light from `light`, for unit directions in tangent space.
+///
+/// The same as `brdf::eval` with [`METAL`], times cosine and [`cavity_masking`], and `brdf::pdf`, but both from
+/// one search for facets, which is where the time goes.
+pub(super) fn scattering(
+    ndf: &impl Ndf,
+    footprint: &Footprint,
+    light: Vector,
+    view: Vector,
+) -> Result<Scattering, QueryError> {
+    let mut result = Scattering::default();
+    if light[2] <= 0.0 || view[2] <= 0.0 {
+        return Ok(result);
+    }
+    let half = normalised(add(light, view));
+    let roughness = ndf.instance().roughness;
+    ndf.facets(
+        footprint,
+        HalfVector::from_direction(half),
+        &mut |Facet {
+                  normal,
+                  density,
+                  weight,
+              }| {
+            let masking = roughness.map_or(1.0, |roughness| {
+                beckmann::masking(light, half, normal, roughness)
+                    * beckmann::masking(view, half, normal, roughness)
+            });
+            result.value += density * weight * masking;
+            result.density += density * weight * dot(half, normal).max(0.0);
+        },
+    )?;
+    let cosine = dot(light, half);
+    result.value *= METAL.reflectance(cosine) * cavity_masking(light, view) / (4.0 * view[2]);
+    result.density /= 4.0 * cosine;
+    Ok(result)
+}
+
+/// What a light direction drawn by `brdf::sample` is worth: value times cosine over density, if the facet it was
+/// drawn from were alone and exactly at the half vector.
+///
+/// All facets together would have to be searched for. Their masking and `1/(h·b)` average to that of one at h within
+/// the order of α², too little to see in the smooth light that this is for.
+pub(super) fn single_facet(ndf: &impl Ndf, light: Vector, view: Vector) -> f64 {
+    let half = normalised(add(light, view));
+    let masking = ndf.instance().roughness.map_or(1.0, |roughness| {
+        beckmann::masking(light, half, half, roughness)
+            * beckmann::masking(view, half, half, roughness)
+    });
+    let cosine = dot(light, half);
+    METAL.reflectance(cosine) * masking * cavity_masking(light, view) * cosine / view[2]
+}
+
+/// What facets leave of light that other facets shadow or mask, in [0, 1]: V-cavities (Torrance and Sparrow 1967,
+/// Cook and Torrance 1982 eq. 15), so that grazing light does not blow up.
+fn cavity_masking(light: Vector, view: Vector) -> f64 {
+    let half = normalised(add(light, view));
+    let factor = 2.0 * half[2] / dot(view, half);
+    (factor * light[2].min(view[2])).min(1.0)
+}
+
+/// The share of light that the coat mirrors at `cosine` to its normal.
+pub(super) fn coat_reflectance(cosine: f64) -> f64 {
+    COAT.reflectance(cosine)
+}
+
+/// What the coat leaves of light from `light` to the viewer, by colour: Fresnel twice, and absorption along the
+/// refracted path. That refraction also turns the light is left out: glints stay where the map puts them.
+pub(super) fn coat_transmission(point: Point, light: Vector) -> Vector {
+    let cosines = [dot(point.normal(), light), dot(point.normal(), VIEWER)];
+    let mut passed = 1.0;
+    let mut path = 0.0;
+    for cosine in cosines {
+        passed *= 1.0 - COAT.reflectance(cosine);
+        path += 0.5 / sqrt(1.0 - (1.0 - cosine * cosine) / (COAT_ETA * COAT_ETA));
+    }
+    COAT_COLOUR.map(|share| passed * exp(path * log(share)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::surface::View;
+    use super::super::vector::scale;
+    use super::*;
+    use crate::picture::fixtures;
+    use glintbake_format::model::Method;
+    use glintbake_runtime::microfacet::brdf;
+
+    const PATCH: Footprint = Footprint {
+        centre: [0.3, 0.6],
+        edge_1: [0.1, 0.02],
+        edge_2: [-0.03, 0.08],
+    };
+
+    /// Directions drawn from the surface, with a view of their own each.
+    fn drawn(ndf: &impl Ndf) -> Vec<(Vector, Vector)> {
+        (0..200)
+            .filter_map(|index| {
+                let fraction = |prime: f64| (f64::from(index) + 0.5) * prime % 1.0;
+                let tilt = fraction(0.618) - 0.5;
+                let view = normalised([tilt, 0.3, 0.4 + fraction(0.287)]);
+                let uniform = [0.7548, 0.5698, 0.8192, 0.6710].map(fraction);
+                let light = brdf::sample(ndf, &PATCH, view, uniform).expect("in range")?;
+                Some((light, view))
+            })
+            .collect()
+    }
+
+    #[test]
+    fn value_and_density_are_those_of_the_runtime() {
+        for (method, roughness) in [
+            (Method::FlakeBins, &[0.1][..]),
+            (Method::SpecularBins, &[][..]),
+        ] {
+            let bytes = fixtures::flakes(method, roughness);
+            let ndf = fixtures::ndf(&bytes);
+            let directions = drawn(&ndf);
+            assert!(directions.len() > 100);
+            for (light, view) in directions {
+                let seen = scattering(&ndf, &PATCH, light, view).expect("in range");
+                let value = brdf::eval(&ndf, &PATCH, light, view, METAL).expect("in range")
+                    * light[2]
+                    * cavity_masking(light, view);
+                let density = brdf::pdf(&ndf, &PATCH, light, view).expect("in range");
+                assert!(density > 0.0);
+                assert!((seen.value - value).abs() <= 1e-12 * value);
+                assert!((seen.density - density).abs() <= 1e-12 * density);
+            }
+        }
+    }
+
+    #[test]
+    fn one_facet_is_worth_what_all_are_to_the_order_of_roughness_squared() {
+        for roughness in [0.02, 0.1, 0.2] {
+            let bytes = fixtures::flakes(Method::FlakeBins, &[roughness]);
+            let ndf = fixtures::ndf(&bytes);
+            let (mut one, mut all) = (0.0, 0.0);
+            for (light, view) in drawn(&ndf) {
+                let exact = scattering(&ndf, &PATCH, light, view).expect("in range");
+                one += single_facet(&ndf, light, view);
+                all += exact.value / exact.density;
+            }
+            assert!(
+                (one / all - 1.0).abs() < 2.0 * roughness * roughness,
+                "roughness {roughness}: {one} instead of {all}"
+            );
+        }
+    }
+
+    #[test]
+    fn nothing_comes_from_below_the_horizon() {
+        let bytes = fixtures::constant([0.0, 0.0], 0.5);
+        let ndf = fixtures::ndf(&bytes);
+        let above = normalised([0.1, 0.2, 0.9]);
+        let below = normalised([0.1, 0.2, -0.1]);
+        for (light, view) in [(below, above), (above, below)] {
+            let seen = scattering(&ndf, &PATCH, light, view).expect("in range");
+            assert_eq!(seen, Scattering::default());
+        }
+    }
+
+    #[test]
+    fn masking_is_reciprocal_and_vanishes_towards_the_horizon() {
+        let steep = normalised([0.3, -0.2, 0.9]);
+        let grazing = normalised([0.9, 0.1, 0.02]);
+        assert_eq!(cavity_masking(steep, steep), 1.0);
+        let there = cavity_masking(steep, grazing);
+        assert!((there - cavity_masking(grazing, steep)).abs() < 1e-12);
+        assert!(there < 0.1, "{there}");
+    }
+
+    #[test]
+    fn the_coat_is_blue_clearer_from_above_and_never_adds_light() {
+        let view = View::new(512, 1.0, [8, 8]);
+        let middle = coat_transmission(view.point([0.0, 0.0]), VIEWER);
+        // 4 % mirrored on the way in and out each, the rest coloured.
+        for (seen, colour) in middle.into_iter().zip(COAT_COLOUR) {
+            assert!((seen - 0.96 * 0.96 * colour).abs() < 1e-12);
+        }
+        let point = view.point([0.9, 0.0]);
+        let side = coat_transmission(point, scale(point.normal(), 1.0));
+        for (side, middle) in side.into_iter().zip(middle) {
+            assert!(side > 0.0 && side < middle);
+        }
+        assert!((coat_reflectance(1.0) - 0.04).abs() < 1e-12);
+    }
+}
