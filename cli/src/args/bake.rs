@@ -1,0 +1,183 @@
+//! `bake`
+
+use super::select::method;
+use clap::Args;
+use glintbake_bake::normals::{Channels, DecodeOptions, GreenAxis, Input, Range, Zero};
+use glintbake_bake::{DEFAULT_LEAF_SIZE, MethodRecipe, Recipe};
+use glintbake_format::model::{Method, Wrap, beckmann_from_intrinsic};
+use std::path::PathBuf;
+
+/// `bake`
+#[derive(Debug, Args)]
+pub struct BakeArgs {
+    /// Normal map or height map: PNG, TGA, TIFF, JPEG, WebP or EXR
+    pub image: PathBuf,
+
+    /// Package to write; replaced as a whole or not at all
+    #[arg(long, short)]
+    pub output: PathBuf,
+
+    /// Methods to bake for, with commas between
+    #[arg(long, value_delimiter = ',', default_value = "flake-bins", value_parser = method)]
+    pub method: Vec<Method>,
+
+    /// Beckmann roughnesses α of the flakes, with commas between; one instance each
+    #[arg(long, value_delimiter = ',', value_name = "ALPHA")]
+    pub roughness: Vec<f64>,
+
+    /// The same as intrinsic roughnesses σr = α / √2
+    #[arg(long, value_delimiter = ',', value_name = "SIGMA")]
+    pub intrinsic_roughness: Vec<f64>,
+
+    /// Bins a side for specular-bins [default: 127]
+    #[arg(long, value_name = "N")]
+    pub bins: Option<u32>,
+
+    /// Longest list of texels without a tree
+    #[arg(long, default_value_t = DEFAULT_LEAF_SIZE, value_name = "N")]
+    pub leaf_size: u32,
+
+    /// Store true normals as well (4 bytes a texel), for `query --exact`
+    #[arg(long)]
+    pub exact_normals: bool,
+
+    /// How the image is read
+    #[command(flatten)]
+    pub decode: DecodeArgs,
+
+    /// Write a rule for make or ninja that names what the package depends on
+    #[arg(long, value_name = "FILE")]
+    pub depfile: Option<PathBuf>,
+
+    /// Also draw a ball covered with the baked map
+    #[arg(long, value_name = "PNG")]
+    pub preview: Option<PathBuf>,
+
+    /// Bake even if the package is up to date
+    #[arg(long)]
+    pub force: bool,
+
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// How an image becomes normals.
+#[derive(Debug, Args)]
+pub struct DecodeArgs {
+    /// What the image holds: normal or height
+    #[arg(long, default_value_t, value_parser = word(Input::from_name, Input::ALL))]
+    pub input: Input,
+
+    /// Height of white above black in texels, for --input height
+    #[arg(
+        long,
+        default_value_t = 1.0,
+        value_name = "TEXELS",
+        allow_negative_numbers = true
+    )]
+    pub height_scale: f64,
+
+    /// Where the normal's components are: xyz, xy, rg, ga, ra, or ag (s in alpha, t in green)
+    #[arg(long, default_value_t, value_parser = word(Channels::from_name, Channels::ALL))]
+    pub channels: Channels,
+
+    /// Green up (gl: OpenGL, glTF) or down (dx: DirectX)
+    #[arg(long = "y", default_value_t, value_parser = word(GreenAxis::from_name, GreenAxis::ALL))]
+    pub green: GreenAxis,
+
+    /// Samples from 0 to 1 (unorm) or -1 to 1 (snorm); auto: integers unorm, floats snorm
+    #[arg(long, default_value_t, value_parser = word(Range::from_name, Range::ALL))]
+    pub range: Range,
+
+    /// Integer that means zero: 127.5 or 128 (32767.5 or 32768 at 16 bit)
+    #[arg(long, default_value_t, value_parser = word(Zero::from_name, Zero::ALL))]
+    pub zero: Zero,
+
+    /// How the map continues beyond its border: repeat or clamp
+    #[arg(long, default_value = "repeat", value_parser = wrap)]
+    pub wrap: Wrap,
+
+    /// Give texels that cannot be a normal the nearest valid one instead of refusing the map
+    #[arg(long)]
+    pub repair: bool,
+
+    /// Layer of an EXR file
+    #[arg(long, value_name = "NAME")]
+    pub exr_layer: Option<String>,
+
+    /// Channels of an EXR file, in order, with commas between
+    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    pub exr_channels: Option<Vec<String>>,
+}
+
+/// A parser for the words of `all`.
+fn word<T: Copy + std::fmt::Display + Send + Sync + 'static>(
+    from_name: fn(&str) -> Option<T>,
+    all: &'static [T],
+) -> impl Fn(&str) -> Result<T, String> + Clone {
+    move |name| {
+        from_name(name).ok_or_else(|| {
+            let words: Vec<_> = all.iter().map(T::to_string).collect();
+            format!("one of {}", words.join(", "))
+        })
+    }
+}
+
+fn wrap(name: &str) -> Result<Wrap, String> {
+    [Wrap::Repeat, Wrap::Clamp]
+        .into_iter()
+        .find(|wrap| wrap.name() == name)
+        .ok_or_else(|| "one of repeat, clamp".to_owned())
+}
+
+impl BakeArgs {
+    /// The recipe these arguments ask for.
+    ///
+    /// Roughness goes to the methods that have one, bins to those that count them, so that one command line can
+    /// bake several; an option that no method of the list takes is left with the first, which refuses it.
+    pub fn recipe(&self) -> Recipe {
+        let mut roughness = self.roughness.clone();
+        roughness.extend(
+            self.intrinsic_roughness
+                .iter()
+                .copied()
+                .map(beckmann_from_intrinsic),
+        );
+        let several = self.method.len() > 1;
+        let methods = self
+            .method
+            .iter()
+            .map(|&method| {
+                let rough = method == Method::FlakeBins;
+                MethodRecipe {
+                    method,
+                    roughness: if rough || !several {
+                        roughness.clone()
+                    } else {
+                        Vec::new()
+                    },
+                    bins: self.bins.filter(|_| !rough || !several),
+                    leaf_size: self.leaf_size,
+                    exact_normals: self.exact_normals && (rough || !several),
+                }
+            })
+            .collect();
+        let decode = &self.decode;
+        Recipe {
+            exr_layer: decode.exr_layer.clone(),
+            exr_channels: decode.exr_channels.clone(),
+            decode: DecodeOptions {
+                input: decode.input,
+                height_scale: decode.height_scale,
+                channels: decode.channels,
+                green: decode.green,
+                range: decode.range,
+                zero: decode.zero,
+                wrap: decode.wrap,
+                repair: decode.repair,
+            },
+            methods,
+        }
+    }
+}

@@ -1,0 +1,297 @@
+//! The command line, typed.
+
+mod bake;
+mod select;
+
+pub use bake::BakeArgs;
+pub use select::{QuerySettings, SettingArgs};
+
+use crate::exit::EXIT_CODES_HELP;
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Bakes normal maps into memory-mappable .glint packages, and inspects, verifies, queries and pictures them.
+#[derive(Debug, Parser)]
+#[command(name = "glintbake", version, after_help = EXIT_CODES_HELP, max_term_width = 100)]
+pub struct Cli {
+    /// Say nothing but results and errors
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+
+    /// Threads to use, 0 for one per core; the output does not depend on it
+    #[arg(long, global = true, default_value_t = 0, value_name = "N")]
+    pub threads: usize,
+
+    /// What to do
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The verbs.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Make a sample normal map (16-bit PNG)
+    Sample(SampleArgs),
+    /// Bake a normal map into a package
+    Bake(Box<BakeArgs>),
+    /// Say what is in a package
+    Inspect(InspectArgs),
+    /// Check a package; findings are numbered
+    Verify(VerifyArgs),
+    /// Evaluate the P-NDF for each row of a table
+    Query(QueryArgs),
+    /// Draw a picture from a package
+    Picture(PictureArgs),
+}
+
+impl Command {
+    /// Whether the command was asked for JSON.
+    pub fn wants_json(&self) -> bool {
+        match self {
+            Self::Sample(arguments) => arguments.json,
+            Self::Bake(arguments) => arguments.json,
+            Self::Inspect(arguments) => arguments.json,
+            Self::Verify(arguments) => arguments.json,
+            Self::Query(arguments) => arguments.json,
+            Self::Picture(arguments) => match &arguments.picture {
+                Picture::Ndf(arguments) => arguments.json,
+                Picture::Ball(arguments) => arguments.json,
+            },
+        }
+    }
+}
+
+/// `sample`
+#[derive(Debug, Args)]
+pub struct SampleArgs {
+    /// flakes, scratches, brushed, waves (Gaussian spectrum), leather, flat or noise
+    #[arg(value_parser = sample_kind)]
+    pub kind: glintbake_samples::Kind,
+
+    /// Side in texels, or two sides as in 512x256
+    #[arg(long, default_value = "512", value_parser = size)]
+    pub size: (u32, u32),
+
+    /// Seed; the same seed gives the same map on every machine
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+
+    /// Size of features, as a multiple of the kind's own
+    #[arg(long, value_name = "FACTOR")]
+    pub scale: Option<f64>,
+
+    /// Spread of the normals; each kind has its own default
+    #[arg(long, value_name = "SPREAD")]
+    pub roughness: Option<f64>,
+
+    /// Features per area, as a multiple of the kind's own; for scratches and the pores of leather
+    #[arg(long, value_name = "FACTOR")]
+    pub density: Option<f64>,
+
+    /// Bits of a channel: 8 or 16
+    #[arg(long, default_value_t = 16, value_parser = bits)]
+    pub bits: u8,
+
+    /// PNG file to write
+    #[arg(long, short)]
+    pub output: PathBuf,
+
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn sample_kind(name: &str) -> Result<glintbake_samples::Kind, String> {
+    glintbake_samples::Kind::from_name(name).ok_or_else(|| {
+        let kinds: Vec<_> = glintbake_samples::KINDS
+            .iter()
+            .map(|kind| kind.name())
+            .collect();
+        format!("the kinds are {}", kinds.join(", "))
+    })
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let (width, height) = text.split_once('x').unwrap_or((text, text));
+    let side = |side: &str| match side.parse::<u32>() {
+        Ok(texels @ 1..=65_535) => Ok(texels),
+        _ => Err("a side is a whole number of texels from 1 to 65535".to_owned()),
+    };
+    Ok((side(width)?, side(height)?))
+}
+
+fn bits(text: &str) -> Result<u8, String> {
+    match text {
+        "8" => Ok(8),
+        "16" => Ok(16),
+        _ => Err("8 or 16".to_owned()),
+    }
+}
+
+/// How a package file is opened.
+#[derive(Debug, Args)]
+pub struct OpenArgs {
+    /// Package file
+    pub package: PathBuf,
+
+    /// Read the file instead of mapping it
+    #[arg(long)]
+    pub no_mmap: bool,
+
+    /// Skip the checksums of the data; opening then reads only what the command needs
+    #[arg(long)]
+    pub trust: bool,
+}
+
+/// `inspect`
+#[derive(Debug, Args)]
+pub struct InspectArgs {
+    /// Package file
+    pub package: PathBuf,
+
+    /// Read the file instead of mapping it
+    #[arg(long)]
+    pub no_mmap: bool,
+
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `verify`
+#[derive(Debug, Args)]
+pub struct VerifyArgs {
+    /// Package file
+    pub package: PathBuf,
+
+    /// Check every element, but no checksum
+    #[arg(long, conflicts_with = "full")]
+    pub structure: bool,
+
+    /// Check every element, checksum and hash (the default)
+    #[arg(long)]
+    pub full: bool,
+
+    /// Read the file instead of mapping it
+    #[arg(long)]
+    pub no_mmap: bool,
+
+    /// Print the findings as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `query`
+#[derive(Debug, Args)]
+pub struct QueryArgs {
+    /// How to open the package
+    #[command(flatten)]
+    pub open: OpenArgs,
+
+    /// Table with the columns u,v,e1u,e1v,e2u,e2v,s,t in any order; lines that begin with # are skipped
+    #[arg(long, value_name = "CSV")]
+    pub queries: PathBuf,
+
+    /// Table to write, the same with a column ndf; standard output if left out
+    #[arg(long, short)]
+    pub output: Option<PathBuf>,
+
+    /// What to evaluate
+    #[command(flatten)]
+    pub settings: SettingArgs,
+
+    /// Print a summary as JSON; needs --output
+    #[arg(long, requires = "output")]
+    pub json: bool,
+}
+
+/// `picture`
+#[derive(Debug, Args)]
+pub struct PictureArgs {
+    /// What to draw
+    #[command(subcommand)]
+    pub picture: Picture,
+}
+
+/// The pictures.
+#[derive(Debug, Subcommand)]
+pub enum Picture {
+    /// The P-NDF of one footprint over the projected disk, +t up
+    Ndf(PictureNdfArgs),
+    /// A ball covered with the map under small lights
+    Ball(PictureBallArgs),
+}
+
+/// `picture ndf`
+#[derive(Debug, Args)]
+pub struct PictureNdfArgs {
+    /// How to open the package
+    #[command(flatten)]
+    pub open: OpenArgs,
+
+    /// Centre of the footprint in tiles
+    #[arg(long, value_name = "U,V", default_value = "0.5,0.5", value_parser = pair, allow_hyphen_values = true)]
+    pub uv: [f64; 2],
+
+    /// Edge of the square footprint in texels (twice its size σ)
+    #[arg(long, default_value_t = 32.0)]
+    pub texels: f64,
+
+    /// Magnification: s and t run from -1/ZOOM to 1/ZOOM
+    #[arg(long, default_value_t = 1.0)]
+    pub zoom: f64,
+
+    /// Side of the picture in pixels
+    #[arg(long, default_value_t = 512)]
+    pub pixels: u32,
+
+    /// What to evaluate
+    #[command(flatten)]
+    pub settings: SettingArgs,
+
+    /// PNG file to write
+    #[arg(long, short)]
+    pub output: PathBuf,
+
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `picture ball`
+#[derive(Debug, Args)]
+pub struct PictureBallArgs {
+    /// How to open the package
+    #[command(flatten)]
+    pub open: OpenArgs,
+
+    /// How often the map repeats around the ball; by default, so that a texel is a third of a pixel in the middle
+    #[arg(long)]
+    pub tiles: Option<f64>,
+
+    /// Side of the picture in pixels
+    #[arg(long, default_value_t = 512)]
+    pub pixels: u32,
+
+    /// What to evaluate
+    #[command(flatten)]
+    pub settings: SettingArgs,
+
+    /// PNG file to write
+    #[arg(long, short)]
+    pub output: PathBuf,
+
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn pair(text: &str) -> Result<[f64; 2], String> {
+    let wanted = || "two numbers with a comma between, such as 0.5,0.5".to_owned();
+    let (first, second) = text.split_once(',').ok_or_else(wanted)?;
+    let number = |part: &str| match part.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err(wanted()),
+    };
+    Ok([number(first)?, number(second)?])
+}

@@ -1,0 +1,141 @@
+//! Which instance of a package answers, and under which setting.
+
+use crate::exit::{CommandError, Failure};
+use clap::Args;
+use glintbake_format::model::{
+    Filter, METHODS, Method, Neighbourhood, beckmann_from_intrinsic, intrinsic_from_beckmann,
+};
+use glintbake_runtime::{Ndf, Package, QueryError, Setting, SurfaceNdf};
+
+/// What to evaluate; all of it can be left out.
+#[derive(Debug, Args, Clone, Default)]
+pub struct SettingArgs {
+    /// Method to answer with; the package's first if left out
+    #[arg(long, value_parser = method)]
+    pub method: Option<Method>,
+
+    /// Beckmann roughness α that was baked; the package's first if left out
+    #[arg(long, value_name = "ALPHA", conflicts_with = "intrinsic_roughness")]
+    pub roughness: Option<f64>,
+
+    /// The same as intrinsic roughness σr = α / √2
+    #[arg(long, value_name = "SIGMA")]
+    pub intrinsic_roughness: Option<f64>,
+
+    /// How the footprint weighs texels; the package's default if left out
+    #[arg(long, value_parser = filter)]
+    pub filter: Option<Filter>,
+
+    /// Sum over texels with their true normals (Atanasov 2021 eq. 11); needs a package baked with --exact-normals
+    #[arg(long, conflicts_with = "paper")]
+    pub exact: bool,
+
+    /// The paper's 21 bins (Atanasov 2021 eq. 15) instead of 45
+    #[arg(long)]
+    pub paper: bool,
+}
+
+/// The method called `name`; for the command line.
+pub(super) fn method(name: &str) -> Result<Method, String> {
+    Method::from_name(name).ok_or_else(|| {
+        let names: Vec<_> = METHODS.iter().map(|method| method.name()).collect();
+        format!("the methods are {}", names.join(", "))
+    })
+}
+
+fn filter(name: &str) -> Result<Filter, String> {
+    [Filter::Box, Filter::Gaussian]
+        .into_iter()
+        .find(|filter| filter.name() == name)
+        .ok_or_else(|| "box or gaussian".to_owned())
+}
+
+/// An instance under a setting, and the words for it.
+#[derive(Debug)]
+pub struct QuerySettings<'a> {
+    /// What answers.
+    pub ndf: SurfaceNdf<'a>,
+    /// `method=… kernel=… filter=… …`: what a reader of the numbers must know.
+    pub description: String,
+}
+
+impl SettingArgs {
+    /// The instance of `package` these arguments choose.
+    ///
+    /// # Errors
+    /// [`Failure::NotBaked`], with what the package has, if it has no such instance, section or filter.
+    pub fn choose<'a>(&self, package: &Package<'a>) -> Result<QuerySettings<'a>, CommandError> {
+        let roughness = self
+            .roughness
+            .or(self.intrinsic_roughness.map(beckmann_from_intrinsic));
+        let instance = package
+            .find(self.method, roughness)
+            .ok_or_else(|| self.not_baked(package))?;
+        let filter = self.filter.unwrap_or(instance.filter);
+        if filter != Filter::Box {
+            return Err(QueryError::FilterUnsupported(instance.method, filter).into());
+        }
+        let mut ndf = package.ndf(instance.number)?;
+        if self.exact {
+            ndf = ndf.with_setting(Setting::Exact)?;
+        } else if self.paper {
+            ndf = ndf.with_setting(Setting::Binned(Neighbourhood::Bins21))?;
+        }
+        let roughness = instance
+            .roughness
+            .map(|alpha| format!(" roughness={alpha}"))
+            .unwrap_or_default();
+        let description = format!(
+            "method={} kernel={} filter={}{roughness} bins={} setting={}",
+            instance.method.name(),
+            instance.method.kernel().name(),
+            filter.name(),
+            ndf.instance().grid.resolution(),
+            ndf.setting_name(),
+        );
+        Ok(QuerySettings { ndf, description })
+    }
+
+    fn not_baked(&self, package: &Package<'_>) -> CommandError {
+        let mut wanted = Vec::new();
+        if let Some(method) = self.method {
+            wanted.push(format!("method {}", method.name()));
+        }
+        if let Some(alpha) = self.roughness {
+            wanted.push(format!("roughness {alpha}"));
+        }
+        if let Some(sigma) = self.intrinsic_roughness {
+            wanted.push(format!(
+                "intrinsic roughness {sigma} (roughness {})",
+                beckmann_from_intrinsic(sigma)
+            ));
+        }
+        let baked: Vec<_> = package
+            .instances()
+            .map(|instance| match instance.roughness {
+                Some(alpha) => format!(
+                    "{} with roughness {alpha} (intrinsic {:.6})",
+                    instance.method.name(),
+                    intrinsic_from_beckmann(alpha)
+                ),
+                None => format!(
+                    "{} with {} bins a side",
+                    instance.method.name(),
+                    instance.grid.resolution()
+                ),
+            })
+            .collect();
+        CommandError::new(
+            Failure::NotBaked,
+            format!(
+                "{} is not in the package, which holds: {}. Choose one of these, or bake again with the one you need",
+                wanted.join(" and "),
+                if baked.is_empty() {
+                    "nothing".to_owned()
+                } else {
+                    baked.join("; ")
+                }
+            ),
+        )
+    }
+}

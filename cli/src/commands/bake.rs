@@ -1,0 +1,189 @@
+//! `bake`: image to package.
+
+use super::open;
+use crate::args::BakeArgs;
+use crate::exit::{CommandError, Failure};
+use crate::output::{Console, human_bytes};
+use crate::picture::{ball, png};
+use glintbake_bake::image::{self, InputFile};
+use glintbake_bake::normals::{self, Statistics};
+use glintbake_bake::package::publish;
+use glintbake_bake::{Recipe, Source};
+use glintbake_format::model::Binning;
+use glintbake_format::records::Instance;
+use glintbake_format::{HEADER_LENGTH, check};
+use glintbake_runtime::Package;
+use serde_json::json;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+/// Bakes the image, unless the package is there already with the same recipe and input.
+///
+/// # Errors
+/// [`CommandError`] of the kind that names who can mend it; the old package, if any, is untouched.
+pub fn run(arguments: &BakeArgs, console: &Console) -> Result<(), CommandError> {
+    let recipe = arguments.recipe();
+    glintbake_bake::check(&recipe)?;
+    let progress = console.progress("reading");
+    let input = image::identify(&arguments.image)?;
+    let up_to_date = !arguments.force && is_up_to_date(&arguments.output, &recipe, &input);
+    if !up_to_date {
+        let raster = image::read(&arguments.image, &recipe.read_options())?;
+        progress.set_message("decoding");
+        let (map, statistics) = normals::decode(raster, &recipe.decode)?;
+        let source = Source { input, statistics };
+        progress.set_message("baking");
+        let plan = glintbake_bake::bake(&map, &recipe, Some(&source))?;
+        drop(map);
+        progress.set_message("writing");
+        publish(&arguments.output, |file| {
+            // Sections are written whole, so only the table and the padding gain from the buffer.
+            let mut output = BufWriter::new(file);
+            plan.write(&mut output)?;
+            output.flush()
+        })?;
+        warn(console, &source.statistics, arguments);
+    }
+    progress.finish_and_clear();
+    if let Some(depfile) = &arguments.depfile {
+        write_depfile(depfile, &arguments.output, &arguments.image)?;
+    }
+    let bytes = open::bytes(&arguments.output, false)?;
+    let package = open::package(&arguments.output, &bytes)?;
+    if !up_to_date {
+        coarse_lattice_warnings(console, &package, arguments)?;
+    }
+    if let Some(preview) = &arguments.preview {
+        let progress = console.progress("drawing the preview");
+        let first = package
+            .instances()
+            .next()
+            .ok_or_else(|| CommandError::new(Failure::Internal, "the package has no instance"))?;
+        let picture = ball::draw(&package.ndf(first.number)?, &ball::Options::default())?;
+        png::write_rgb8(preview, picture.side, picture.side, &picture.pixels)?;
+        progress.finish_and_clear();
+    }
+    report(arguments, console, &package, up_to_date);
+    Ok(())
+}
+
+/// Whether the file at `path` is a whole package of this recipe and input.
+fn is_up_to_date(path: &Path, recipe: &Recipe, input: &InputFile) -> bool {
+    let Ok(bytes) = open::bytes(path, false) else {
+        return false;
+    };
+    let Ok(package) = Package::open(&bytes) else {
+        return false;
+    };
+    let container = package.container();
+    let header = container.header();
+    header.recipe_hash == recipe.hash(&[input])
+        && bytes.len() > HEADER_LENGTH
+        && check::content_hash(container) == header.content_hash
+}
+
+fn write_depfile(depfile: &Path, output: &Path, image: &Path) -> Result<(), CommandError> {
+    // Make's quoting: blanks and the number sign with a backslash, the dollar doubled.
+    let quote = |path: &Path| {
+        path.display()
+            .to_string()
+            .replace('$', "$$")
+            .replace(' ', "\\ ")
+            .replace('#', "\\#")
+    };
+    let rule = format!("{}: {}\n", quote(output), quote(image));
+    publish(depfile, |file| file.write_all(rule.as_bytes()))?;
+    Ok(())
+}
+
+fn warn(console: &Console, statistics: &Statistics, arguments: &BakeArgs) {
+    let name = arguments.image.display();
+    if statistics.clamped_to_rim > 0 {
+        console.warn(format_args!(
+            "{name}: {} texels lay just outside the unit disk and were moved to its rim",
+            statistics.clamped_to_rim
+        ));
+    }
+    if statistics.repaired > 0 {
+        console.warn(format_args!(
+            "{name}: {} texels could not be normals and took the nearest valid one",
+            statistics.repaired
+        ));
+    }
+}
+
+/// Warns where bins are finer than the lattice of the map's normals: the surface then glints in rows.
+fn coarse_lattice_warnings(
+    console: &Console,
+    package: &Package<'_>,
+    arguments: &BakeArgs,
+) -> Result<(), CommandError> {
+    let Some(step) = super::inspect::metadata(package)?
+        .pointer("/statistics/lattice/step")
+        .and_then(serde_json::Value::as_f64)
+    else {
+        return Ok(());
+    };
+    for instance in package.instances() {
+        let bin = 2.0 / f64::from(instance.grid.resolution());
+        if let Some(alpha) = instance.roughness
+            && instance.grid.binning() == Binning::DiskGrid
+            && step > bin
+        {
+            console.warn(format_args!(
+                "{}: its normals lie on a lattice of step {step:.5}, coarser than the bins of roughness {alpha} \
+                 ({bin:.5}): glints will line up in rows. Use a 16-bit or float map, or a roughness of 0.01 or more",
+                arguments.image.display()
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn report(arguments: &BakeArgs, console: &Console, package: &Package<'_>, up_to_date: bool) {
+    let bytes = package.container().bytes().len() as u64;
+    let texels = package
+        .instances()
+        .next()
+        .map_or(1, |instance| instance.texel_count().max(1));
+    let per_texel = bytes as f64 / f64::from(texels);
+    let path = arguments.output.display();
+    let state = if up_to_date { " (up to date)" } else { "" };
+    console.line(format_args!(
+        "{path}: {}, {per_texel:.2} bytes a texel{state}",
+        human_bytes(bytes)
+    ));
+    for instance in package.instances() {
+        console.line(format_args!("  {}", describe(&instance)));
+    }
+    if let Some(preview) = &arguments.preview {
+        console.line(format_args!("{}: preview", preview.display()));
+    }
+    console.document(&json!({
+        "bytes": bytes,
+        "bytes-per-texel": per_texel,
+        "instances": package.instances().map(|instance| describe(&instance)).collect::<Vec<_>>(),
+        "output": path.to_string(),
+        "preview": arguments.preview.as_ref().map(|preview| preview.display().to_string()),
+        "up-to-date": up_to_date,
+    }));
+}
+
+/// One line about an instance.
+pub(super) fn describe(instance: &Instance) -> String {
+    let roughness = instance
+        .roughness
+        .map(|alpha| format!(", roughness {alpha}"))
+        .unwrap_or_default();
+    format!(
+        "instance {}: {} {} x {}{roughness}, {b} x {b} bins, leaf size {}, {} index, {}",
+        instance.number,
+        instance.method.name(),
+        instance.width,
+        instance.height,
+        instance.leaf_size,
+        instance.index.name(),
+        instance.wrap.name(),
+        b = instance.grid.resolution(),
+    )
+}

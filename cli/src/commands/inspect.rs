@@ -1,0 +1,183 @@
+//! `inspect`: what is in a package.
+
+use super::bake::describe;
+use super::open;
+use crate::args::InspectArgs;
+use crate::exit::{CommandError, Failure};
+use crate::output::{Console, human_bytes};
+use glintbake_format::records::METADATA;
+use glintbake_format::{Fault, Finding, SectionId};
+use glintbake_runtime::{Instance, Package};
+use serde_json::{Value, json};
+
+/// Prints header, instances, sections and metadata.
+///
+/// # Errors
+/// [`Failure::Input`] or [`Failure::Package`].
+pub fn run(arguments: &InspectArgs, console: &Console) -> Result<(), CommandError> {
+    let path = &arguments.package;
+    let bytes = open::bytes(path, arguments.no_mmap)?;
+    let package = open::package(path, &bytes)?;
+    let metadata = metadata(&package).map_err(|error| error.in_file(path.display()))?;
+    if console.json() {
+        console.document(&document(&package, metadata));
+    } else {
+        print(&package, &metadata, console, &path.display().to_string());
+    }
+    Ok(())
+}
+
+/// The metadata of `package`.
+///
+/// # Errors
+/// [`Failure::Package`] if it is missing or not JSON.
+pub(super) fn metadata(package: &Package<'_>) -> Result<Value, CommandError> {
+    let id = SectionId::shared(METADATA);
+    let text: &[u8] = package.container().elements(id)?;
+    serde_json::from_slice(text).map_err(|error| {
+        let finding = Finding::new(Fault::Metadata).within(id);
+        CommandError::new(Failure::Package, format!("{finding}: {error}"))
+    })
+}
+
+fn bytes_per_texel(package: &Package<'_>, bytes: u64) -> f64 {
+    let texels = package
+        .instances()
+        .next()
+        .map_or(0, |instance| instance.texel_count());
+    bytes as f64 / f64::from(texels.max(1))
+}
+
+fn document(package: &Package<'_>, metadata: Value) -> Value {
+    let container = package.container();
+    let header = container.header();
+    let sections: Vec<_> = container
+        .entries()
+        .iter()
+        .map(|entry| {
+            json!({
+                "bytes": entry.length.get(),
+                "bytes-per-texel": bytes_per_texel(package, entry.length.get()),
+                "crc32": format!("{:08x}", entry.crc.get()),
+                "critical": entry.is_critical(),
+                "element-size": entry.element_size.get(),
+                "elements": entry.count.get(),
+                "instance": entry.instance.get(),
+                "kind": entry.kind.to_string(),
+                "layer": entry.layer.get(),
+                "offset": entry.offset.get(),
+                "ordinal": entry.ordinal.get(),
+            })
+        })
+        .collect();
+    let total = container.bytes().len() as u64;
+    json!({
+        "bytes": total,
+        "bytes-per-texel": bytes_per_texel(package, total),
+        "content-hash": hex(&header.content_hash),
+        "instances": package.instances().map(|instance| instance_document(&instance)).collect::<Vec<_>>(),
+        "metadata": metadata,
+        "recipe-hash": hex(&header.recipe_hash),
+        "sections": sections,
+        "version": [header.major.get(), header.minor.get()],
+    })
+}
+
+fn instance_document(instance: &Instance) -> Value {
+    json!({
+        "binning": instance.grid.binning().name(),
+        "bins-per-side": instance.grid.resolution(),
+        "filter": instance.filter.name(),
+        "height": instance.height,
+        "index": instance.index.name(),
+        "kernel": instance.method.kernel().name(),
+        "keys": instance.key_count,
+        "layer": instance.layer,
+        "leaf-size": instance.leaf_size,
+        "method": instance.method.name(),
+        "number": instance.number,
+        "roughness": instance.roughness,
+        "width": instance.width,
+        "wrap": instance.wrap.name(),
+    })
+}
+
+fn print(package: &Package<'_>, metadata: &Value, console: &Console, path: &str) {
+    let container = package.container();
+    let header = container.header();
+    let total = container.bytes().len() as u64;
+    console.result(format_args!(
+        "{path}: glintbake package version {}.{}, {}, {:.2} bytes a texel",
+        header.major.get(),
+        header.minor.get(),
+        human_bytes(total),
+        bytes_per_texel(package, total)
+    ));
+    for instance in package.instances() {
+        console.result(format_args!("  {}", describe(&instance)));
+    }
+    console.result("  section  instance    elements  size         bytes a texel");
+    for entry in container.entries() {
+        let instance = match entry.instance.get() {
+            0 => "all".to_owned(),
+            number => number.to_string(),
+        };
+        console.result(format_args!(
+            "  {:7}  {instance:8}  {:>10}  {:11}  {:.3}",
+            entry.kind.to_string(),
+            entry.count.get(),
+            human_bytes(entry.length.get()),
+            bytes_per_texel(package, entry.length.get())
+        ));
+    }
+    print_metadata(metadata, console);
+    console.result(format_args!("  recipe  {}", hex(&header.recipe_hash)));
+    console.result(format_args!("  content {}", hex(&header.content_hash)));
+}
+
+fn print_metadata(metadata: &Value, console: &Console) {
+    for input in metadata["inputs"].as_array().into_iter().flatten() {
+        console.result(format_args!(
+            "  input {}, {} bytes, BLAKE3 {}",
+            input["name"].as_str().unwrap_or("?"),
+            input["bytes"],
+            input["blake3"].as_str().unwrap_or("?")
+        ));
+    }
+    let statistics = &metadata["statistics"];
+    if let Some(lengths) = statistics["lengths"].as_object() {
+        console.result(format_args!(
+            "  normals: length {:.4} on average, {:.4} to {:.4} before normalising",
+            number(&lengths["mean"]),
+            number(&lengths["shortest"]),
+            number(&lengths["longest"])
+        ));
+    }
+    if statistics.is_object() {
+        console.result(format_args!(
+            "  normals: mean ({:.4}, {:.4}), mean cosine {:.4}, largest tilt {:.1} degrees, {} clamped, {} repaired",
+            number(&statistics["mean"][0]),
+            number(&statistics["mean"][1]),
+            number(&statistics["mean-cosine"]),
+            number(&statistics["largest-tilt-degrees"]),
+            statistics["clamped-to-rim"],
+            statistics["repaired"]
+        ));
+    }
+    for left_out in metadata["left-out"].as_array().into_iter().flatten() {
+        console.result(format_args!(
+            "  left out: {} of instance {}: {}",
+            left_out["section"].as_str().unwrap_or("?"),
+            left_out["instance"],
+            left_out["reason"].as_str().unwrap_or("?")
+        ));
+    }
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or(f64::NAN)
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,40 @@
+//! Package files, opened with errors that name the file.
+
+use crate::args::OpenArgs;
+use crate::exit::{CommandError, Failure};
+use glintbake_bake::package::{self, PackageBytes};
+use glintbake_format::check;
+use glintbake_runtime::Package;
+use std::path::Path;
+
+/// The bytes of the file at `path`.
+pub(super) fn bytes(path: &Path, no_mmap: bool) -> Result<PackageBytes, CommandError> {
+    package::open(path, !no_mmap).map_err(|error| {
+        CommandError::new(
+            Failure::Input,
+            format!("{}: cannot be opened: {error}", path.display()),
+        )
+    })
+}
+
+/// The package in `bytes`, the content of the file at `path`.
+pub(super) fn package<'a>(path: &Path, bytes: &'a [u8]) -> Result<Package<'a>, CommandError> {
+    Package::open(bytes).map_err(|finding| CommandError::from(finding).in_file(path.display()))
+}
+
+/// The bytes of the package `arguments` name, its checksums compared unless it is trusted.
+pub(super) fn checked(arguments: &OpenArgs) -> Result<PackageBytes, CommandError> {
+    let path = &arguments.package;
+    let bytes = bytes(path, arguments.no_mmap)?;
+    let package = package(path, &bytes)?;
+    if !arguments.trust {
+        let mut first = None;
+        check::checksums(package.container(), &mut |finding| {
+            first.get_or_insert(finding);
+        });
+        if let Some(finding) = first {
+            return Err(CommandError::from(finding).in_file(path.display()));
+        }
+    }
+    Ok(bytes)
+}

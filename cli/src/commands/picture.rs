@@ -1,0 +1,133 @@
+//! `picture`: what a package looks like.
+
+use super::open;
+use crate::args::{Picture, PictureArgs, PictureBallArgs, PictureNdfArgs};
+use crate::exit::{CommandError, Failure};
+use crate::output::Console;
+use crate::picture::{ball, ndf, png};
+use glintbake_format::model::Footprint;
+use glintbake_runtime::Ndf;
+use serde_json::json;
+
+/// The largest side of a picture in pixels.
+const MAX_PIXELS: u32 = 16_384;
+
+/// Draws the picture.
+///
+/// # Errors
+/// [`Failure::Usage`] for sizes out of range, and whatever opening, querying and writing fail with.
+pub fn run(arguments: &PictureArgs, console: &Console) -> Result<(), CommandError> {
+    match &arguments.picture {
+        Picture::Ndf(arguments) => run_ndf(arguments, console),
+        Picture::Ball(arguments) => run_ball(arguments, console),
+    }
+}
+
+fn run_ndf(arguments: &PictureNdfArgs, console: &Console) -> Result<(), CommandError> {
+    check_pixels(arguments.pixels)?;
+    positive("--zoom", arguments.zoom)?;
+    if !(arguments.texels.is_finite() && arguments.texels >= 0.0) {
+        return Err(usage("--texels", "a number of texels, 0 or more"));
+    }
+    let bytes = open::checked(&arguments.open)?;
+    let package = open::package(&arguments.open.package, &bytes)?;
+    let chosen = arguments.settings.choose(&package)?;
+    let progress = console.progress("drawing");
+    let instance = chosen.ndf.instance();
+    let footprint = Footprint::square(
+        arguments.uv,
+        arguments.texels,
+        instance.width,
+        instance.height,
+    );
+    let picture = ndf::draw(&chosen.ndf, &footprint, arguments.pixels, arguments.zoom)?;
+    png::write_rgb8(
+        &arguments.output,
+        arguments.pixels,
+        arguments.pixels,
+        &picture.pixels,
+    )?;
+    progress.finish_and_clear();
+    let path = arguments.output.display();
+    let reach = 1.0 / arguments.zoom;
+    let sigma = arguments.texels / 2.0;
+    console.line(format_args!(
+        "{path}: {}\n  footprint at ({}, {}), edge {} texels (σ {sigma}); s and t from {} to {reach}; \
+         D up to {:.4}; integral {:.4} over the picture",
+        chosen.description,
+        arguments.uv[0],
+        arguments.uv[1],
+        arguments.texels,
+        -reach,
+        picture.peak,
+        picture.integral
+    ));
+    console.document(&json!({
+        "integral": picture.integral,
+        "output": path.to_string(),
+        "peak": picture.peak,
+        "setting": chosen.description,
+        "sigma": sigma,
+        "texels": arguments.texels,
+        "uv": arguments.uv,
+        "zoom": arguments.zoom,
+    }));
+    Ok(())
+}
+
+fn run_ball(arguments: &PictureBallArgs, console: &Console) -> Result<(), CommandError> {
+    check_pixels(arguments.pixels)?;
+    if let Some(tiles) = arguments.tiles {
+        positive("--tiles", tiles)?;
+    }
+    let bytes = open::checked(&arguments.open)?;
+    let package = open::package(&arguments.open.package, &bytes)?;
+    let chosen = arguments.settings.choose(&package)?;
+    let progress = console.progress("drawing");
+    let options = ball::Options {
+        side: arguments.pixels,
+        tiles: arguments.tiles,
+    };
+    let picture = ball::draw(&chosen.ndf, &options)?;
+    png::write_rgb8(
+        &arguments.output,
+        picture.side,
+        picture.side,
+        &picture.pixels,
+    )?;
+    progress.finish_and_clear();
+    let path = arguments.output.display();
+    console.line(format_args!(
+        "{path}: {}, {:.3} tiles around the ball",
+        chosen.description, picture.tiles
+    ));
+    console.document(&json!({
+        "output": path.to_string(),
+        "setting": chosen.description,
+        "tiles": picture.tiles,
+    }));
+    Ok(())
+}
+
+fn usage(option: &str, wanted: &str) -> CommandError {
+    CommandError::new(Failure::Usage, format!("{option}: {wanted} is wanted"))
+}
+
+fn positive(option: &str, value: f64) -> Result<(), CommandError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(usage(option, "a number above 0"))
+    }
+}
+
+fn check_pixels(pixels: u32) -> Result<(), CommandError> {
+    if (1..=MAX_PIXELS).contains(&pixels) {
+        Ok(())
+    } else {
+        Err(usage(
+            "--pixels",
+            &format!("a number of pixels from 1 to {MAX_PIXELS}"),
+        ))
+    }
+}
