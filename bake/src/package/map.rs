@@ -37,13 +37,21 @@ impl Deref for PackageBytes {
 /// # Errors
 /// If the file cannot be opened, mapped or read.
 pub fn open(path: &Path, mapped: bool) -> io::Result<PackageBytes> {
-    let mut file = File::open(path)?;
-    if file.metadata()?.is_dir() {
+    // Asked before opening, for opening a pipe that nobody writes to would wait for ever.
+    let found = std::fs::metadata(path)?;
+    if found.is_dir() {
         return Err(io::Error::new(
             io::ErrorKind::IsADirectory,
             "it is a folder, not a package",
         ));
     }
+    if !found.is_file() {
+        return Err(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "it is a pipe or a device, not a package file",
+        ));
+    }
+    let mut file = File::open(path)?;
     if mapped {
         // SAFETY: the bytes of a mapping may change when another process writes to the file, which would break the
         // promise of an immutable slice. All readers of these bytes go through zerocopy views of types for which

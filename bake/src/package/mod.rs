@@ -6,4 +6,4 @@ mod publish;
 
 pub use map::{PackageBytes, open};
 pub use plan::PackagePlan;
-pub use publish::{PublishError, publish};
+pub use publish::{PublishError, check_destination, publish};
