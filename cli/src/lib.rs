@@ -13,13 +13,21 @@ use args::{Cli, Command};
 use clap::Parser;
 use exit::{CommandError, Failure};
 use output::Console;
+use std::panic::{self, AssertUnwindSafe};
 use std::process::ExitCode;
+
+const DEFECT: &str = "this is a defect of glintbake, not of your files; please report it with the command that \
+                      led to it. No output was replaced by a part of one";
 
 /// Runs the command line of this process; returns its exit code.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let console = Console::new(cli.quiet, cli.command.wants_json());
-    match run(&cli, &console) {
+    // The panic's own lines are on standard error by then; this adds whose fault it is, and the documented code.
+    let outcome = panic::catch_unwind(AssertUnwindSafe(|| run(&cli, &console)))
+        .unwrap_or_else(|_| Err(CommandError::new(Failure::Internal, DEFECT)))
+        .and_then(|()| console.finish());
+    match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             console.error(&error);
@@ -34,7 +42,7 @@ pub fn main() -> ExitCode {
 /// [`CommandError`] with the exit code and the sentence for the user.
 pub fn run(cli: &Cli, console: &Console) -> Result<(), CommandError> {
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(cli.threads)
+        .num_threads(cli.threads.into())
         .build()
         .map_err(|error| CommandError::new(Failure::Usage, format!("--threads: {error}")))?;
     pool.install(|| match &cli.command {

@@ -1,22 +1,29 @@
 //! Where words go: results to standard output, progress and warnings to standard error.
 
-use crate::exit::CommandError;
+use crate::exit::{CommandError, Failure};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
-use std::io::{IsTerminal, Write};
+use std::io::{self, IsTerminal, Write};
+use std::sync::OnceLock;
 use std::time::Duration;
 
 /// The two streams, and how much to say on them.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub struct Console {
     quiet: bool,
     json: bool,
+    /// Why a line of a result did not reach standard output.
+    lost: OnceLock<String>,
 }
 
 impl Console {
     /// A console that says nothing but results and errors if `quiet`, and those as JSON if `json`.
     pub fn new(quiet: bool, json: bool) -> Self {
-        Self { quiet, json }
+        Self {
+            quiet,
+            json,
+            lost: OnceLock::new(),
+        }
     }
 
     /// Whether results are wanted as JSON.
@@ -27,50 +34,61 @@ impl Console {
     /// Prints one line of a result for people; nothing if results are JSON or `--quiet` is set.
     pub fn line(&self, text: impl std::fmt::Display) {
         if !self.json && !self.quiet {
-            print_line(&text.to_string());
+            self.print(&text.to_string());
         }
     }
 
     /// Prints a line of a result that `--quiet` does not silence; nothing if results are JSON.
     pub fn result(&self, text: impl std::fmt::Display) {
         if !self.json {
-            print_line(&text.to_string());
+            self.print(&text.to_string());
         }
     }
 
     /// Prints a result as one JSON document, if results are JSON.
     pub fn document(&self, value: &Value) {
         if self.json {
-            print_line(&format!("{value:#}"));
+            self.print(&format!("{value:#}"));
         }
     }
 
     /// Prints a warning on standard error.
     pub fn warn(&self, text: impl std::fmt::Display) {
         if !self.quiet {
-            eprintln!("warning: {text}");
+            complain(&format!("warning: {text}"));
         }
     }
 
     /// Prints the error on standard error, or as a JSON document on standard output.
     pub fn error(&self, error: &CommandError) {
-        if self.json && error.failure != crate::exit::Failure::Findings {
-            print_line(&format!(
-                "{:#}",
-                json!({ "error": {
-                    "exit-code": error.failure.code(),
-                    "kind": error.failure.name(),
-                    "message": error.message,
-                }})
-            ));
+        if self.json && error.failure != Failure::Findings {
+            self.document(&json!({ "error": {
+                "exit-code": error.failure.code(),
+                "kind": error.failure.name(),
+                "message": error.message,
+            }}));
         } else if !error.message.is_empty() {
-            eprintln!("error: {}", error.message);
+            complain(&format!("error: {}", error.message));
+        }
+    }
+
+    /// Whether every line of the results was written.
+    ///
+    /// # Errors
+    /// [`Failure::Output`] if standard output failed, unless its reader has closed it.
+    pub fn finish(&self) -> Result<(), CommandError> {
+        match self.lost.get() {
+            None => Ok(()),
+            Some(reason) => Err(CommandError::new(
+                Failure::Output,
+                format!("cannot write to standard output: {reason}"),
+            )),
         }
     }
 
     /// A spinner on standard error that says what is being done, on a terminal only.
     pub fn progress(&self, what: &'static str) -> ProgressBar {
-        if self.quiet || !std::io::stderr().is_terminal() {
+        if self.quiet || !io::stderr().is_terminal() {
             return ProgressBar::hidden();
         }
         let bar = ProgressBar::new_spinner()
@@ -79,12 +97,21 @@ impl Console {
         bar.enable_steady_tick(Duration::from_millis(100));
         bar
     }
+
+    fn print(&self, text: &str) {
+        match writeln!(io::stdout().lock(), "{text}") {
+            // `glintbake inspect … | head` has all it wants.
+            Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+                self.lost.get_or_init(|| error.to_string());
+            }
+            _ => {}
+        }
+    }
 }
 
-/// Prints a line; a closed pipe (`glintbake inspect … | head`) is no error of ours.
-fn print_line(text: &str) {
-    let mut stdout = std::io::stdout().lock();
-    let _ = writeln!(stdout, "{text}");
+/// Prints a line on standard error; where that is closed or full there is nobody left to tell.
+fn complain(text: &str) {
+    let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
 /// `bytes` in the unit a reader expects: bytes, KB or MB (decimal).

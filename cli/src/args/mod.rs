@@ -8,7 +8,11 @@ pub use select::{QuerySettings, SettingArgs};
 
 use crate::exit::EXIT_CODES_HELP;
 use clap::{Args, Parser, Subcommand};
+use glintbake_samples::MAX_SIDE;
 use std::path::PathBuf;
+
+/// The most threads that can be asked for: beyond any machine, and still quick to start.
+const MAX_THREADS: i64 = 1024;
 
 /// Bakes normal maps into memory-mappable .glint packages, and inspects, verifies, queries and pictures them.
 #[derive(Debug, Parser)]
@@ -19,8 +23,14 @@ pub struct Cli {
     pub quiet: bool,
 
     /// Threads to use, 0 for one per core; the output does not depend on it
-    #[arg(long, global = true, default_value_t = 0, value_name = "N")]
-    pub threads: usize,
+    #[arg(
+        long,
+        global = true,
+        default_value_t = 0,
+        value_name = "N",
+        value_parser = clap::value_parser!(u16).range(..=MAX_THREADS)
+    )]
+    pub threads: u16,
 
     /// What to do
     #[command(subcommand)]
