@@ -92,6 +92,11 @@ impl CommandError {
 impl From<BakeError> for CommandError {
     fn from(error: BakeError) -> Self {
         match error {
+            BakeError::Option {
+                option,
+                value,
+                reason,
+            } if value.is_empty() => Self::new(Failure::Usage, format!("{option}: {reason}")),
             BakeError::Image(error) => error.into(),
             BakeError::Normals(error) => error.into(),
             BakeError::Publish(error) => error.into(),
@@ -103,13 +108,22 @@ impl From<BakeError> for CommandError {
 
 impl From<ImageError> for CommandError {
     fn from(error: ImageError) -> Self {
-        Self::new(Failure::Input, error.to_string())
+        let failure = match error {
+            // The file is fine; it has no layer or channel of the name that was given.
+            ImageError::Selection { .. } => Failure::Usage,
+            _ => Failure::Input,
+        };
+        Self::new(failure, error.to_string())
     }
 }
 
 impl From<NormalsError> for CommandError {
     fn from(error: NormalsError) -> Self {
-        Self::new(Failure::Content, error.to_string())
+        let failure = match error {
+            NormalsError::Option { .. } => Failure::Usage,
+            _ => Failure::Content,
+        };
+        Self::new(failure, error.to_string())
     }
 }
 

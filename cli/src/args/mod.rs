@@ -40,7 +40,7 @@ pub struct Cli {
 /// The verbs.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Make a sample normal map (16-bit PNG)
+    /// Make a sample normal map as a PNG
     Sample(SampleArgs),
     /// Bake a normal map into a package
     Bake(Box<BakeArgs>),
@@ -87,15 +87,15 @@ pub struct SampleArgs {
     pub seed: u64,
 
     /// Size of features, as a multiple of the kind's own
-    #[arg(long, value_name = "FACTOR")]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
     pub scale: Option<f64>,
 
     /// Spread of the normals; each kind has its own default
-    #[arg(long, value_name = "SPREAD")]
+    #[arg(long, value_name = "SPREAD", allow_negative_numbers = true)]
     pub roughness: Option<f64>,
 
     /// Features per area, as a multiple of the kind's own; for scratches and the pores of leather
-    #[arg(long, value_name = "FACTOR")]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
     pub density: Option<f64>,
 
     /// Bits of a channel: 8 or 16
@@ -124,8 +124,10 @@ fn sample_kind(name: &str) -> Result<glintbake_samples::Kind, String> {
 fn size(text: &str) -> Result<(u32, u32), String> {
     let (width, height) = text.split_once('x').unwrap_or((text, text));
     let side = |side: &str| match side.parse::<u32>() {
-        Ok(texels @ 1..=65_535) => Ok(texels),
-        _ => Err("a side is a whole number of texels from 1 to 65535".to_owned()),
+        Ok(texels @ 1..=MAX_SIDE) => Ok(texels),
+        _ => Err(format!(
+            "a side is a whole number of texels from 1 to {MAX_SIDE}"
+        )),
     };
     Ok((side(width)?, side(height)?))
 }
@@ -134,7 +136,7 @@ fn bits(text: &str) -> Result<u8, String> {
     match text {
         "8" => Ok(8),
         "16" => Ok(16),
-        _ => Err("8 or 16".to_owned()),
+        _ => Err("it must be 8 or 16".to_owned()),
     }
 }
 
@@ -156,12 +158,9 @@ pub struct OpenArgs {
 /// `inspect`
 #[derive(Debug, Args)]
 pub struct InspectArgs {
-    /// Package file
-    pub package: PathBuf,
-
-    /// Read the file instead of mapping it
-    #[arg(long)]
-    pub no_mmap: bool,
+    /// How to open the package
+    #[command(flatten)]
+    pub open: OpenArgs,
 
     /// Print the result as JSON
     #[arg(long)]
@@ -244,11 +243,11 @@ pub struct PictureNdfArgs {
     pub uv: [f64; 2],
 
     /// Edge of the square footprint in texels (twice its size σ)
-    #[arg(long, default_value_t = 32.0)]
+    #[arg(long, default_value_t = 32.0, allow_negative_numbers = true)]
     pub texels: f64,
 
     /// Magnification: s and t run from -1/ZOOM to 1/ZOOM
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     pub zoom: f64,
 
     /// Side of the picture in pixels
@@ -276,7 +275,7 @@ pub struct PictureBallArgs {
     pub open: OpenArgs,
 
     /// How often the map repeats around the ball; by default, so that a texel is a third of a pixel in the middle
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub tiles: Option<f64>,
 
     /// Side of the picture in pixels

@@ -10,19 +10,24 @@ use glintbake_runtime::{Ndf, Package, QueryError, Setting, SurfaceNdf};
 /// What to evaluate; all of it can be left out.
 #[derive(Debug, Args, Clone, Default)]
 pub struct SettingArgs {
-    /// Method to answer with; the package's first if left out
+    /// Method to answer with, flake-bins or specular-bins; the package's first if left out
     #[arg(long, value_parser = method)]
     pub method: Option<Method>,
 
     /// Beckmann roughness α that was baked; the package's first if left out
-    #[arg(long, value_name = "ALPHA", conflicts_with = "intrinsic_roughness")]
+    #[arg(
+        long,
+        value_name = "ALPHA",
+        allow_negative_numbers = true,
+        conflicts_with = "intrinsic_roughness"
+    )]
     pub roughness: Option<f64>,
 
     /// The same as intrinsic roughness σr = α / √2
-    #[arg(long, value_name = "SIGMA")]
+    #[arg(long, value_name = "SIGMA", allow_negative_numbers = true)]
     pub intrinsic_roughness: Option<f64>,
 
-    /// How the footprint weighs texels; the package's default if left out
+    /// How the footprint weighs texels, box or gaussian; the package's default if left out
     #[arg(long, value_parser = filter)]
     pub filter: Option<Filter>,
 
@@ -47,7 +52,7 @@ fn filter(name: &str) -> Result<Filter, String> {
     [Filter::Box, Filter::Gaussian]
         .into_iter()
         .find(|filter| filter.name() == name)
-        .ok_or_else(|| "box or gaussian".to_owned())
+        .ok_or_else(|| "it must be box or gaussian".to_owned())
 }
 
 /// An instance under a setting, and the words for it.
@@ -97,6 +102,12 @@ impl SettingArgs {
     }
 
     fn not_baked(&self, package: &Package<'_>) -> CommandError {
+        if package.instances().next().is_none() {
+            return CommandError::new(
+                Failure::NotBaked,
+                "the package holds no instance to answer with; bake it again",
+            );
+        }
         let mut wanted = Vec::new();
         if let Some(method) = self.method {
             wanted.push(format!("method {}", method.name()));
@@ -128,13 +139,9 @@ impl SettingArgs {
         CommandError::new(
             Failure::NotBaked,
             format!(
-                "{} is not in the package, which holds: {}. Choose one of these, or bake again with the one you need",
+                "{} is not in the package, which holds: {}; choose one of these, or bake again with the one you need",
                 wanted.join(" and "),
-                if baked.is_empty() {
-                    "nothing".to_owned()
-                } else {
-                    baked.join("; ")
-                }
+                baked.join(", ")
             ),
         )
     }

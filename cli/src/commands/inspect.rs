@@ -15,8 +15,8 @@ use serde_json::{Value, json};
 /// # Errors
 /// [`Failure::Input`] or [`Failure::Package`].
 pub fn run(arguments: &InspectArgs, console: &Console) -> Result<(), CommandError> {
-    let path = &arguments.package;
-    let bytes = open::bytes(path, arguments.no_mmap)?;
+    let path = &arguments.open.package;
+    let bytes = open::checked(&arguments.open)?;
     let package = open::package(path, &bytes)?;
     let metadata = metadata(&package).map_err(|error| error.in_file(path.display()))?;
     if console.json() {

@@ -44,9 +44,14 @@ pub fn run(arguments: &VerifyArgs, console: &Console) -> Result<(), CommandError
         Err(CommandError::new(
             Failure::Findings,
             format!(
-                "{}: {} findings; bake it again or restore it from a copy",
+                "{}: {} {}; bake it again or restore it from a copy",
                 path.display(),
-                findings.len()
+                findings.len(),
+                if findings.len() == 1 {
+                    "finding"
+                } else {
+                    "findings"
+                }
             ),
         ))
     }
