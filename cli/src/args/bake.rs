@@ -1,9 +1,10 @@
 //! `bake`
 
 use super::select::method;
+use crate::exit::{CommandError, Failure};
 use clap::Args;
 use glintbake_bake::normals::{Channels, DecodeOptions, GreenAxis, Input, Range, Zero};
-use glintbake_bake::{DEFAULT_LEAF_SIZE, MethodRecipe, Recipe};
+use glintbake_bake::{BakeError, DEFAULT_LEAF_SIZE, MethodRecipe, Recipe};
 use glintbake_format::model::{Method, Wrap, beckmann_from_intrinsic};
 use std::path::PathBuf;
 
@@ -17,16 +18,26 @@ pub struct BakeArgs {
     #[arg(long, short)]
     pub output: PathBuf,
 
-    /// Methods to bake for, with commas between
+    /// Methods to bake for, with commas between: flake-bins (rough flakes), specular-bins (mirrors)
     #[arg(long, value_delimiter = ',', default_value = "flake-bins", value_parser = method)]
     pub method: Vec<Method>,
 
     /// Beckmann roughnesses α of the flakes, with commas between; one instance each
-    #[arg(long, value_delimiter = ',', value_name = "ALPHA")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "ALPHA",
+        allow_negative_numbers = true
+    )]
     pub roughness: Vec<f64>,
 
     /// The same as intrinsic roughnesses σr = α / √2
-    #[arg(long, value_delimiter = ',', value_name = "SIGMA")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "SIGMA",
+        allow_negative_numbers = true
+    )]
     pub intrinsic_roughness: Vec<f64>,
 
     /// Bins a side for specular-bins [default: 127]
@@ -119,7 +130,7 @@ fn word<T: Copy + std::fmt::Display + Send + Sync + 'static>(
     move |name| {
         from_name(name).ok_or_else(|| {
             let words: Vec<_> = all.iter().map(T::to_string).collect();
-            format!("one of {}", words.join(", "))
+            format!("it must be one of {}", words.join(", "))
         })
     }
 }
@@ -128,7 +139,14 @@ fn wrap(name: &str) -> Result<Wrap, String> {
     [Wrap::Repeat, Wrap::Clamp]
         .into_iter()
         .find(|wrap| wrap.name() == name)
-        .ok_or_else(|| "one of repeat, clamp".to_owned())
+        .ok_or_else(|| "it must be one of repeat, clamp".to_owned())
+}
+
+/// Roughnesses nearer than this part of themselves are one to a query: see `Package::find`.
+const SAME_ROUGHNESS: f64 = 1e-9;
+
+fn usage(message: String) -> CommandError {
+    CommandError::new(Failure::Usage, message)
 }
 
 impl BakeArgs {
@@ -136,14 +154,61 @@ impl BakeArgs {
     ///
     /// Roughness goes to the methods that have one, bins to those that count them, so that one command line can
     /// bake several; an option that no method of the list takes is left with the first, which refuses it.
-    pub fn recipe(&self) -> Recipe {
-        let mut roughness = self.roughness.clone();
-        roughness.extend(
-            self.intrinsic_roughness
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] if the recipe cannot be baked, or names anything twice: queries find the first only.
+    pub fn recipe(&self) -> Result<Recipe, CommandError> {
+        for (place, method) in self.method.iter().enumerate() {
+            if self.method[..place].contains(method) {
+                return Err(usage(format!(
+                    "--method {}: the method is named twice",
+                    method.name()
+                )));
+            }
+        }
+        let recipe = self.unchecked_recipe();
+        if let Err(error) = glintbake_bake::check(&recipe) {
+            return Err(self.in_given_words(error));
+        }
+        let roughness = self.all_roughness();
+        for (place, &alpha) in roughness.iter().enumerate() {
+            if let Some(other) = roughness[..place]
                 .iter()
-                .copied()
-                .map(beckmann_from_intrinsic),
-        );
+                .find(|other| (*other - alpha).abs() <= SAME_ROUGHNESS * alpha)
+            {
+                return Err(usage(format!(
+                    "--roughness {alpha}: too near to {other} to be told apart; leave one of them out"
+                )));
+            }
+        }
+        Ok(recipe)
+    }
+
+    /// Beckmann roughnesses, however they were given.
+    fn all_roughness(&self) -> Vec<f64> {
+        let intrinsic = self.intrinsic_roughness.iter().copied();
+        let mut roughness = self.roughness.clone();
+        roughness.extend(intrinsic.map(beckmann_from_intrinsic));
+        roughness
+    }
+
+    /// `error`, about the option that the user wrote rather than the one it was turned into.
+    fn in_given_words(&self, error: BakeError) -> CommandError {
+        if let BakeError::Option { value, reason, .. } = &error
+            && let Some(sigma) = self
+                .intrinsic_roughness
+                .iter()
+                .find(|&&sigma| beckmann_from_intrinsic(sigma).to_string() == *value)
+        {
+            return usage(format!(
+                "--intrinsic-roughness {sigma} (roughness {value}): {reason}"
+            ));
+        }
+        error.into()
+    }
+
+    fn unchecked_recipe(&self) -> Recipe {
+        let roughness = self.all_roughness();
         let several = self.method.len() > 1;
         let methods = self
             .method

@@ -1,6 +1,6 @@
 //! `bake`: image to package.
 
-use super::open;
+use super::{open, paths};
 use crate::args::BakeArgs;
 use crate::exit::{CommandError, Failure};
 use crate::output::{Console, human_bytes};
@@ -22,8 +22,18 @@ use std::path::Path;
 /// # Errors
 /// [`CommandError`] of the kind that names who can mend it; the old package, if any, is untouched.
 pub fn run(arguments: &BakeArgs, console: &Console) -> Result<(), CommandError> {
-    let recipe = arguments.recipe();
-    glintbake_bake::check(&recipe)?;
+    let recipe = arguments.recipe()?;
+    let optional = [
+        ("--depfile", &arguments.depfile),
+        ("--preview", &arguments.preview),
+    ];
+    let mut outputs = vec![("--output", arguments.output.as_path())];
+    outputs.extend(
+        optional
+            .into_iter()
+            .filter_map(|(option, path)| Some((option, path.as_deref()?))),
+    );
+    paths::check(Some(&arguments.image), &outputs)?;
     let progress = console.progress("reading");
     let input = image::identify(&arguments.image)?;
     let up_to_date = !arguments.force && is_up_to_date(&arguments.output, &recipe, &input);
@@ -83,17 +93,29 @@ fn is_up_to_date(path: &Path, recipe: &Recipe, input: &InputFile) -> bool {
 }
 
 fn write_depfile(depfile: &Path, output: &Path, image: &Path) -> Result<(), CommandError> {
-    // Make's quoting: blanks and the number sign with a backslash, the dollar doubled.
-    let quote = |path: &Path| {
-        path.display()
-            .to_string()
-            .replace('$', "$$")
-            .replace(' ', "\\ ")
-            .replace('#', "\\#")
-    };
-    let rule = format!("{}: {}\n", quote(output), quote(image));
-    publish(depfile, |file| file.write_all(rule.as_bytes()))?;
+    let mut rule = make_word(output);
+    rule.extend(b": ");
+    rule.extend(make_word(image));
+    rule.push(b'\n');
+    publish(depfile, |file| file.write_all(&rule))?;
     Ok(())
+}
+
+/// `path` as make and ninja read a file name: blanks and the number sign behind a backslash, as is every backslash
+/// right before them; the dollar doubled. All other bytes stand for themselves, Unicode or not.
+fn make_word(path: &Path) -> Vec<u8> {
+    let mut word = Vec::new();
+    let mut backslashes = 0;
+    for &byte in path.as_os_str().as_encoded_bytes() {
+        match byte {
+            b' ' | b'\t' | b'#' => word.extend(std::iter::repeat_n(b'\\', backslashes + 1)),
+            b'$' => word.push(b'$'),
+            _ => {}
+        }
+        backslashes = if byte == b'\\' { backslashes + 1 } else { 0 };
+        word.push(byte);
+    }
+    word
 }
 
 fn warn(console: &Console, statistics: &Statistics, arguments: &BakeArgs) {

@@ -3,6 +3,7 @@
 pub mod bake;
 pub mod inspect;
 mod open;
+mod paths;
 pub mod picture;
 pub mod query;
 pub mod sample;

@@ -1,6 +1,6 @@
 //! `picture`: what a package looks like.
 
-use super::open;
+use super::{open, paths};
 use crate::args::{Picture, PictureArgs, PictureBallArgs, PictureNdfArgs};
 use crate::exit::{CommandError, Failure};
 use crate::output::Console;
@@ -24,14 +24,19 @@ pub fn run(arguments: &PictureArgs, console: &Console) -> Result<(), CommandErro
 }
 
 fn run_ndf(arguments: &PictureNdfArgs, console: &Console) -> Result<(), CommandError> {
+    let path = &arguments.open.package;
+    paths::check(Some(path), &[("--output", &arguments.output)])?;
     check_pixels(arguments.pixels)?;
     positive("--zoom", arguments.zoom)?;
     if !(arguments.texels.is_finite() && arguments.texels >= 0.0) {
         return Err(usage("--texels", "a number of texels, 0 or more"));
     }
     let bytes = open::checked(&arguments.open)?;
-    let package = open::package(&arguments.open.package, &bytes)?;
-    let chosen = arguments.settings.choose(&package)?;
+    let package = open::package(path, &bytes)?;
+    let chosen = arguments
+        .settings
+        .choose(&package)
+        .map_err(|error| error.in_file(path.display()))?;
     let progress = console.progress("drawing");
     let instance = chosen.ndf.instance();
     let footprint = Footprint::square(
@@ -48,11 +53,11 @@ fn run_ndf(arguments: &PictureNdfArgs, console: &Console) -> Result<(), CommandE
         &picture.pixels,
     )?;
     progress.finish_and_clear();
-    let path = arguments.output.display();
+    let output = arguments.output.display();
     let reach = 1.0 / arguments.zoom;
     let sigma = arguments.texels / 2.0;
     console.line(format_args!(
-        "{path}: {}\n  footprint at ({}, {}), edge {} texels (σ {sigma}); s and t from {} to {reach}; \
+        "{output}: {}\n  footprint at ({}, {}), edge {} texels (σ {sigma}); s and t from {} to {reach}; \
          D up to {:.4}; integral {:.4} over the picture",
         chosen.description,
         arguments.uv[0],
@@ -64,7 +69,7 @@ fn run_ndf(arguments: &PictureNdfArgs, console: &Console) -> Result<(), CommandE
     ));
     console.document(&json!({
         "integral": picture.integral,
-        "output": path.to_string(),
+        "output": output.to_string(),
         "peak": picture.peak,
         "setting": chosen.description,
         "sigma": sigma,
@@ -76,13 +81,18 @@ fn run_ndf(arguments: &PictureNdfArgs, console: &Console) -> Result<(), CommandE
 }
 
 fn run_ball(arguments: &PictureBallArgs, console: &Console) -> Result<(), CommandError> {
+    let path = &arguments.open.package;
+    paths::check(Some(path), &[("--output", &arguments.output)])?;
     check_pixels(arguments.pixels)?;
     if let Some(tiles) = arguments.tiles {
         positive("--tiles", tiles)?;
     }
     let bytes = open::checked(&arguments.open)?;
-    let package = open::package(&arguments.open.package, &bytes)?;
-    let chosen = arguments.settings.choose(&package)?;
+    let package = open::package(path, &bytes)?;
+    let chosen = arguments
+        .settings
+        .choose(&package)
+        .map_err(|error| error.in_file(path.display()))?;
     let progress = console.progress("drawing");
     let options = ball::Options {
         side: arguments.pixels,
@@ -96,13 +106,13 @@ fn run_ball(arguments: &PictureBallArgs, console: &Console) -> Result<(), Comman
         &picture.pixels,
     )?;
     progress.finish_and_clear();
-    let path = arguments.output.display();
+    let output = arguments.output.display();
     console.line(format_args!(
-        "{path}: {}, {:.3} tiles around the ball",
+        "{output}: {}, {:.3} tiles around the ball",
         chosen.description, picture.tiles
     ));
     console.document(&json!({
-        "output": path.to_string(),
+        "output": output.to_string(),
         "setting": chosen.description,
         "tiles": picture.tiles,
     }));
@@ -110,7 +120,7 @@ fn run_ball(arguments: &PictureBallArgs, console: &Console) -> Result<(), Comman
 }
 
 fn usage(option: &str, wanted: &str) -> CommandError {
-    CommandError::new(Failure::Usage, format!("{option}: {wanted} is wanted"))
+    CommandError::new(Failure::Usage, format!("{option}: it must be {wanted}"))
 }
 
 fn positive(option: &str, value: f64) -> Result<(), CommandError> {

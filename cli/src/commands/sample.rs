@@ -1,5 +1,6 @@
 //! `sample`: a generated normal map as a PNG.
 
+use super::paths;
 use crate::args::SampleArgs;
 use crate::exit::{CommandError, Failure};
 use crate::output::Console;
@@ -12,6 +13,7 @@ use serde_json::json;
 /// # Errors
 /// [`Failure::Usage`] for options out of range, [`Failure::Output`] if the file cannot be written.
 pub fn run(arguments: &SampleArgs, console: &Console) -> Result<(), CommandError> {
+    paths::check(None, &[("--output", &arguments.output)])?;
     let progress = console.progress("generating");
     let defaults = Options::new(arguments.kind, 1);
     let (width, height) = arguments.size;
