@@ -1,20 +1,23 @@
 //! `query`: a table of footprints and half vectors in, the same with densities out.
 
-use super::open;
+use super::{open, paths};
 use crate::args::QueryArgs;
 use crate::exit::{CommandError, Failure};
 use crate::output::Console;
 use glintbake_bake::package::publish;
 use glintbake_format::model::{Footprint, HalfVector};
-use glintbake_runtime::Ndf;
+use glintbake_runtime::{Ndf, QueryError};
 use rayon::prelude::*;
 use serde_json::json;
-use std::fs::File;
+use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
 /// The columns a table must have, in the order a query is built from.
 const COLUMNS: [&str; 8] = ["u", "v", "e1u", "e1v", "e2u", "e2v", "s", "t"];
+
+/// What lines that are no rows begin with.
+const COMMENT: u8 = b'#';
 
 /// The column that is added.
 const RESULT: &str = "ndf";
@@ -25,25 +28,34 @@ const RESULT: &str = "ndf";
 /// [`Failure::Input`] or [`Failure::Content`] for the table, with the line; [`Failure::NotBaked`] and
 /// [`Failure::Package`] for the package; [`Failure::Output`].
 pub fn run(arguments: &QueryArgs, console: &Console) -> Result<(), CommandError> {
+    let path = &arguments.open.package;
+    if let Some(output) = &arguments.output {
+        // The table itself may be replaced: it is read as a whole before, and its rows are in the new one.
+        paths::check(Some(path), &[("--output", output)])?;
+    }
     let bytes = open::checked(&arguments.open)?;
-    let package = open::package(&arguments.open.package, &bytes)?;
-    let chosen = arguments.settings.choose(&package)?;
+    let package = open::package(path, &bytes)?;
+    let chosen = arguments
+        .settings
+        .choose(&package)
+        .map_err(|error| error.in_file(path.display()))?;
     let progress = console.progress("reading the queries");
     let table = Table::read(&arguments.queries)?;
     progress.set_message("evaluating");
-    let densities = table
+    let answers: Vec<_> = table
         .rows
         .par_iter()
         .map(|row| {
             let (footprint, half_vector) = row.query();
-            chosen.ndf.eval(&footprint, half_vector).map_err(|error| {
-                CommandError::from(error).in_file(format_args!(
-                    "{}, line {}",
-                    arguments.queries.display(),
-                    row.line
-                ))
-            })
+            chosen.ndf.eval(&footprint, half_vector)
         })
+        .collect();
+    // Looked through in order, so that the first bad line is named whichever thread met one first.
+    let densities = table
+        .rows
+        .iter()
+        .zip(answers)
+        .map(|(row, answer)| answer.map_err(|error| refused(error, arguments, row.line)))
         .collect::<Result<Vec<f64>, _>>()?;
     progress.finish_and_clear();
     match &arguments.output {
@@ -74,11 +86,68 @@ pub fn run(arguments: &QueryArgs, console: &Console) -> Result<(), CommandError>
                 io::ErrorKind::BrokenPipe => Ok(()),
                 _ => Err(CommandError::new(
                     Failure::Output,
-                    format!("standard output: {error}"),
+                    format!("cannot write to standard output: {error}"),
                 )),
             })?,
     }
     Ok(())
+}
+
+/// Why a row has no answer, with the file that is to blame: the package if it is damaged, else the table's line.
+fn refused(error: QueryError, arguments: &QueryArgs, line: u64) -> CommandError {
+    let error = CommandError::from(error);
+    if error.failure == Failure::Package {
+        return error.in_file(arguments.open.package.display());
+    }
+    error.in_file(format_args!("{}, line {line}", arguments.queries.display()))
+}
+
+/// What is wrong with the table at `path`, in terms of its lines.
+fn malformed(path: &Path, text: &[u8], error: &csv::Error) -> CommandError {
+    let name = path.display();
+    let line = line_of(text, error.position());
+    let message = match error.kind() {
+        csv::ErrorKind::UnequalLengths {
+            expected_len, len, ..
+        } => format!(
+            "{name}, line {line}: has {len} fields where the first line names {expected_len} columns"
+        ),
+        csv::ErrorKind::Utf8 { .. } => {
+            format!("{name}, line {line}: is not UTF-8 text; save the table as UTF-8")
+        }
+        _ => format!("{name}, line {line}: {error}"),
+    };
+    CommandError::new(Failure::Content, message)
+}
+
+/// The line, counted from 1, on which the record begins that the reader began to look for at `start`.
+fn line_of(text: &[u8], start: Option<&csv::Position>) -> u64 {
+    let Some(start) = start else { return 1 };
+    let mut line = start.line();
+    let mut rest = text.get(start.byte() as usize..).unwrap_or_default();
+    loop {
+        let skipped = match rest.first() {
+            Some(b'\r') => 1,
+            Some(b'\n') => {
+                line += 1;
+                1
+            }
+            Some(&COMMENT) => rest
+                .iter()
+                .position(|&byte| byte == b'\n')
+                .unwrap_or(rest.len()),
+            _ => return line,
+        };
+        rest = &rest[skipped..];
+    }
+}
+
+/// The system's error inside of `error`, its kind kept: a closed pipe and a full disk have to be told apart.
+fn as_io(error: csv::Error) -> io::Error {
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => error,
+        other => io::Error::other(format!("{other:?}")),
+    }
 }
 
 /// One query, with the text it came from.
@@ -112,49 +181,58 @@ struct Table {
 impl Table {
     fn read(path: &Path) -> Result<Self, CommandError> {
         let name = path.display();
-        let file = File::open(path).map_err(|error| {
-            CommandError::new(Failure::Input, format!("{name}: cannot be opened: {error}"))
+        let text = fs::read(path).map_err(|error| {
+            CommandError::new(Failure::Input, format!("{name}: cannot be read: {error}"))
         })?;
-        let malformed = |error: csv::Error| {
-            let failure = if error.is_io_error() {
-                Failure::Input
-            } else {
-                Failure::Content
-            };
-            CommandError::new(failure, format!("{name}: {error}"))
-        };
+        let malformed = |error| malformed(path, &text, &error);
         let mut reader = csv::ReaderBuilder::new()
-            .comment(Some(b'#'))
-            .trim(csv::Trim::All)
-            .from_reader(file);
+            .comment(Some(COMMENT))
+            .trim(csv::Trim::Headers)
+            .from_reader(text.as_slice());
         let header = reader.headers().map_err(malformed)?.clone();
+        let column = |column: &str| {
+            let mut places = (0..).zip(&header).filter(|&(_, name)| name == column);
+            match (places.next(), places.next()) {
+                (Some((place, _)), None) => Ok(Some(place)),
+                (None, _) => Ok(None),
+                (Some(_), Some(_)) => Err(CommandError::new(
+                    Failure::Content,
+                    format!("{name}: has two columns {column}; rename one of them"),
+                )),
+            }
+        };
         let mut places = [0; COLUMNS.len()];
-        for (place, column) in places.iter_mut().zip(COLUMNS) {
-            *place = header.iter().position(|name| name == column).ok_or_else(|| {
+        for (place, wanted) in places.iter_mut().zip(COLUMNS) {
+            *place = column(wanted)?.ok_or_else(|| {
                 CommandError::new(
                     Failure::Content,
                     format!(
-                        "{name}: has no column {column}; the first line must name the columns {}",
+                        "{name}: has no column {wanted}; the first line must name the columns {}",
                         COLUMNS.join(",")
                     ),
                 )
             })?;
         }
+        let result = column(RESULT)?;
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.map_err(malformed)?;
-            let line = record.position().map_or(0, csv::Position::line);
+            let line = line_of(&text, record.position());
             let mut values = [0.0; COLUMNS.len()];
             for ((value, place), column) in values.iter_mut().zip(places).zip(COLUMNS) {
-                let text = record.get(place).unwrap_or_default();
-                *value = text.parse().map_err(|_| {
-                    CommandError::new(
-                        Failure::Content,
-                        format!(
-                            "{name}, line {line}: column {column} holds {text:?}, not a number"
-                        ),
-                    )
-                })?;
+                let text = record.get(place).unwrap_or_default().trim();
+                let wrong = match text.parse::<f64>() {
+                    Ok(number) if number.is_finite() => {
+                        *value = number;
+                        continue;
+                    }
+                    Ok(_) => "not a finite number",
+                    Err(_) => "not a number",
+                };
+                return Err(CommandError::new(
+                    Failure::Content,
+                    format!("{name}, line {line}: column {column} holds {text:?}, {wrong}"),
+                ));
             }
             rows.push(Row {
                 line,
@@ -163,7 +241,7 @@ impl Table {
             });
         }
         Ok(Self {
-            result: header.iter().position(|name| name == RESULT),
+            result,
             header,
             rows,
         })
@@ -176,10 +254,17 @@ impl Table {
         densities: &[f64],
     ) -> io::Result<()> {
         writeln!(output, "# {description}")?;
-        let mut writer = csv::Writer::from_writer(output);
-        writer.write_record(self.with_result(&self.header, RESULT))?;
+        let mut writer = csv::WriterBuilder::new()
+            // Quotes fields that would begin a comment, so that the table can be read back.
+            .comment(Some(COMMENT))
+            .from_writer(output);
+        writer
+            .write_record(self.with_result(&self.header, RESULT))
+            .map_err(as_io)?;
         for (row, density) in self.rows.iter().zip(densities) {
-            writer.write_record(self.with_result(&row.record, &density.to_string()))?;
+            writer
+                .write_record(self.with_result(&row.record, &density.to_string()))
+                .map_err(as_io)?;
         }
         writer.flush()
     }
