@@ -181,9 +181,11 @@ struct Table {
 impl Table {
     fn read(path: &Path) -> Result<Self, CommandError> {
         let name = path.display();
-        let text = fs::read(path).map_err(|error| {
+        let mut text = fs::read(path).map_err(|error| {
             CommandError::new(Failure::Input, format!("{name}: cannot be read: {error}"))
         })?;
+        // The CSV reader takes a comment for a row if the file ends before the line does.
+        text.push(b'\n');
         let malformed = |error| malformed(path, &text, &error);
         let mut reader = csv::ReaderBuilder::new()
             .comment(Some(COMMENT))
