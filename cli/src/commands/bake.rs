@@ -40,7 +40,8 @@ pub fn run(arguments: &BakeArgs, console: &Console) -> Result<(), CommandError> 
     if !up_to_date {
         let raster = image::read(&arguments.image, &recipe.read_options())?;
         progress.set_message("decoding");
-        let (map, statistics) = normals::decode(raster, &recipe.decode)?;
+        let (map, statistics) = normals::decode(raster, &recipe.decode)
+            .map_err(|error| with_folder(error.into(), &input, &arguments.image))?;
         let source = Source { input, statistics };
         progress.set_message("baking");
         let plan = glintbake_bake::bake(&map, &recipe, Some(&source))?;
@@ -52,6 +53,7 @@ pub fn run(arguments: &BakeArgs, console: &Console) -> Result<(), CommandError> 
             plan.write(&mut output)?;
             output.flush()
         })?;
+        progress.finish_and_clear();
         warn(console, &source.statistics, arguments);
     }
     progress.finish_and_clear();
@@ -75,6 +77,14 @@ pub fn run(arguments: &BakeArgs, console: &Console) -> Result<(), CommandError> 
     }
     report(arguments, console, &package, up_to_date);
     Ok(())
+}
+
+/// `error`, which names the input without its folder as packages do, naming it as the user did.
+fn with_folder(error: CommandError, input: &InputFile, path: &Path) -> CommandError {
+    match error.message.strip_prefix(&format!("{}: ", input.name)) {
+        Some(rest) => CommandError::new(error.failure, rest).in_file(path.display()),
+        None => error,
+    }
 }
 
 /// Whether the file at `path` is a whole package of this recipe and input.
