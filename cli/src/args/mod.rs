@@ -7,8 +7,9 @@ pub use bake::BakeArgs;
 pub use select::{QuerySettings, SettingArgs};
 
 use crate::exit::EXIT_CODES_HELP;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
-use glintbake_samples::MAX_SIDE;
+use glintbake_samples::{KINDS, Kind, MAX_SIDE};
 use std::path::PathBuf;
 
 /// The most threads that can be asked for: beyond any machine, and still quick to start.
@@ -74,9 +75,9 @@ impl Command {
 /// `sample`
 #[derive(Debug, Args)]
 pub struct SampleArgs {
-    /// flakes, scratches, brushed, waves (Gaussian spectrum), leather, flat or noise
-    #[arg(value_parser = sample_kind)]
-    pub kind: glintbake_samples::Kind,
+    /// What the map shows
+    #[arg(value_parser = sample_kind())]
+    pub kind: Kind,
 
     /// Side in texels, or two sides as in 512x256
     #[arg(long, default_value = "512", value_parser = size)]
@@ -111,14 +112,13 @@ pub struct SampleArgs {
     pub json: bool,
 }
 
-fn sample_kind(name: &str) -> Result<glintbake_samples::Kind, String> {
-    glintbake_samples::Kind::from_name(name).ok_or_else(|| {
-        let kinds: Vec<_> = glintbake_samples::KINDS
-            .iter()
-            .map(|kind| kind.name())
-            .collect();
-        format!("the kinds are {}", kinds.join(", "))
-    })
+/// A parser that lists the kinds, each with its description, in help and errors.
+fn sample_kind() -> impl TypedValueParser<Value = Kind> {
+    let kinds = KINDS
+        .iter()
+        .map(|kind| PossibleValue::new(kind.name()).help(kind.description()));
+    PossibleValuesParser::new(kinds)
+        .try_map(|name| Kind::from_name(&name).ok_or("it is none of the kinds"))
 }
 
 fn size(text: &str) -> Result<(u32, u32), String> {
