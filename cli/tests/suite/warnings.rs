@@ -1,0 +1,102 @@
+//! What a bake warns of: maps that are readable and still not what they should be.
+
+use crate::files;
+use crate::workshop::Workshop;
+
+#[test]
+fn eight_bits_are_too_few_for_a_small_roughness_and_the_user_is_told_so() {
+    let workshop = Workshop::new();
+    let sample = |bits: &str, name: &str| {
+        workshop.succeeds(&["sample", "waves", "--size=48", "--bits", bits, "-o", name]);
+    };
+    sample("8", "eight.png");
+    sample("16", "sixteen.png");
+    let bake = |image: &str, extra: &[&str]| {
+        let bake = ["bake", image, "-o=map.glint", "--force"];
+        let run = workshop.run(&[&bake, extra].concat());
+        assert_eq!(run.code, Some(0), "{run:#?}");
+        run.stderr
+    };
+    let warning = bake("eight.png", &["--roughness=0.005"]);
+    assert_eq!(warning.lines().count(), 1, "{warning}");
+    for text in [
+        "warning: eight.png: ",
+        "lattice of step 0.00784",
+        "roughness 0.005 (0.00424)",
+        "glints will line up in rows",
+        "Use a 16-bit or float map, or a roughness of 0.01 or more",
+    ] {
+        assert!(warning.contains(text), "{text:?} in {warning}");
+    }
+    let both = bake("eight.png", &["--roughness=0.005,0.002,0.05"]);
+    assert_eq!(
+        both.lines().count(),
+        2,
+        "one for each roughness that is too small: {both}"
+    );
+    assert_eq!(
+        bake("eight.png", &["--roughness=0.01"]),
+        "",
+        "the remedy must help"
+    );
+    assert_eq!(bake("eight.png", &["--method=specular-bins"]), "");
+    assert_eq!(bake("eight.png", &["--roughness=0.005", "--quiet"]), "");
+    assert_eq!(
+        bake("sixteen.png", &["--roughness=0.005"]),
+        "",
+        "the remedy must help"
+    );
+}
+
+#[test]
+fn sixteen_bits_that_hold_eight_are_told_apart() {
+    let workshop = Workshop::new();
+    files::rgb16(&workshop.path("map.png"), (24, 12), |column, row| {
+        files::leaning(column, row).map(|x| u16::from(x) * 257)
+    });
+    let run = workshop.run(&["bake", "map.png", "-o=map.glint", "--roughness=0.005"]);
+    assert!(run.stderr.contains("lattice of step 0.00784"), "{run:#?}");
+}
+
+#[test]
+fn texels_just_outside_the_disk_are_counted() {
+    let workshop = Workshop::new();
+    // (255, 130) as s and t is one step outside of the unit disk.
+    files::rgb8(&workshop.path("map.png"), (6, 4), |column, _| {
+        if column == 2 {
+            [255, 133, 0]
+        } else {
+            [140, 120, 0]
+        }
+    });
+    let run = workshop.run(&[
+        "bake",
+        "map.png",
+        "-o=map.glint",
+        "--roughness=0.5",
+        "--channels=xy",
+    ]);
+    assert_eq!(run.code, Some(0), "{run:#?}");
+    assert_eq!(
+        run.stderr,
+        "warning: map.png: 4 texels lay just outside the unit disk and were moved to its rim\n"
+    );
+}
+
+#[test]
+fn warnings_leave_json_on_standard_output_alone() {
+    let workshop = Workshop::new();
+    workshop.succeeds(&["sample", "waves", "--size=48", "--bits=8", "-o=map.png"]);
+    let run = workshop.run(&[
+        "bake",
+        "map.png",
+        "-o=map.glint",
+        "--roughness=0.005",
+        "--json",
+    ]);
+    assert!(run.stderr.starts_with("warning: "), "{run:#?}");
+    assert!(
+        serde_json::from_str::<serde_json::Value>(&run.stdout).is_ok(),
+        "{run:#?}"
+    );
+}
