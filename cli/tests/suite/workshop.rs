@@ -33,7 +33,7 @@ impl Workshop {
     /// A folder with `map.png`, a 16-bit map of 96 × 40 texels.
     pub fn with_map() -> Self {
         let workshop = Self::new();
-        workshop.run(&["sample", "flakes", "--size", "96x40", "-o", "map.png"]);
+        workshop.succeeds(&["sample", "flakes", "--size", "96x40", "-o", "map.png"]);
         workshop
     }
 
