@@ -56,14 +56,15 @@ fn the_recipe_hash_tells_recipes_apart() {
     };
     let base = recipe();
     let mut seen = vec![hash(&base)];
-    let mut changes: Vec<Box<dyn Fn(&mut Recipe)>> = Vec::new();
-    changes.push(Box::new(|recipe| recipe.methods[0].roughness[0] = 0.003));
-    changes.push(Box::new(|recipe| recipe.methods[0].leaf_size = 10));
-    changes.push(Box::new(|recipe| recipe.methods[0].exact_normals = false));
-    changes.push(Box::new(|recipe| recipe.methods[1].bins = Some(63)));
-    changes.push(Box::new(|recipe| recipe.methods.truncate(1)));
-    changes.push(Box::new(|recipe| recipe.decode.repair = true));
-    changes.push(Box::new(|recipe| recipe.exr_layer = Some("N".to_owned())));
+    let changes: [fn(&mut Recipe); 7] = [
+        |recipe| recipe.methods[0].roughness[0] = 0.003,
+        |recipe| recipe.methods[0].leaf_size = 10,
+        |recipe| recipe.methods[0].exact_normals = false,
+        |recipe| recipe.methods[1].bins = Some(63),
+        |recipe| recipe.methods.truncate(1),
+        |recipe| recipe.decode.repair = true,
+        |recipe| recipe.exr_layer = Some("N".to_owned()),
+    ];
     for change in changes {
         let mut changed = base.clone();
         change(&mut changed);
