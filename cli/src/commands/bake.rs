@@ -1,6 +1,6 @@
 //! `bake`: image to package.
 
-use super::{open, paths};
+use super::{describe, open, paths};
 use crate::args::BakeArgs;
 use crate::exit::{CommandError, Failure};
 use crate::output::{Console, human_bytes};
@@ -10,10 +10,9 @@ use glintbake_bake::normals::{self, Statistics};
 use glintbake_bake::package::publish;
 use glintbake_bake::{Recipe, Source};
 use glintbake_format::model::Binning;
-use glintbake_format::records::Instance;
 use glintbake_format::{HEADER_LENGTH, check};
 use glintbake_runtime::Package;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
@@ -62,8 +61,9 @@ pub fn run(arguments: &BakeArgs, console: &Console) -> Result<(), CommandError> 
     }
     let bytes = open::bytes(&arguments.output, false)?;
     let package = open::package(&arguments.output, &bytes)?;
+    let metadata = describe::metadata(&package)?;
     if !up_to_date {
-        coarse_lattice_warnings(console, &package, arguments)?;
+        coarse_lattice_warnings(console, &package, &metadata, arguments);
     }
     if let Some(preview) = &arguments.preview {
         let progress = console.progress("drawing the preview");
@@ -75,7 +75,7 @@ pub fn run(arguments: &BakeArgs, console: &Console) -> Result<(), CommandError> 
         png::write_rgb8(preview, picture.side, picture.side, &picture.pixels)?;
         progress.finish_and_clear();
     }
-    report(arguments, console, &package, up_to_date);
+    report(arguments, console, &package, &metadata, up_to_date);
     Ok(())
 }
 
@@ -132,15 +132,22 @@ fn warn(console: &Console, statistics: &Statistics, arguments: &BakeArgs) {
     let name = arguments.image.display();
     if statistics.clamped_to_rim > 0 {
         console.warn(format_args!(
-            "{name}: {} texels lay just outside the unit disk and were moved to its rim",
-            statistics.clamped_to_rim
+            "{name}: {} just outside the unit disk moved to its rim",
+            texels(statistics.clamped_to_rim)
         ));
     }
     if statistics.repaired > 0 {
         console.warn(format_args!(
-            "{name}: {} texels could not be normals and took the nearest valid one",
-            statistics.repaired
+            "{name}: {} without a usable normal took the nearest valid one",
+            texels(statistics.repaired)
         ));
+    }
+}
+
+fn texels(count: u64) -> String {
+    match count {
+        1 => "1 texel".to_owned(),
+        _ => format!("{count} texels"),
     }
 }
 
@@ -148,13 +155,14 @@ fn warn(console: &Console, statistics: &Statistics, arguments: &BakeArgs) {
 fn coarse_lattice_warnings(
     console: &Console,
     package: &Package<'_>,
+    metadata: &Value,
     arguments: &BakeArgs,
-) -> Result<(), CommandError> {
-    let Some(step) = super::inspect::metadata(package)?
+) {
+    let Some(step) = metadata
         .pointer("/statistics/lattice/step")
-        .and_then(serde_json::Value::as_f64)
+        .and_then(Value::as_f64)
     else {
-        return Ok(());
+        return;
     };
     for instance in package.instances() {
         let bin = 2.0 / f64::from(instance.grid.resolution());
@@ -169,16 +177,17 @@ fn coarse_lattice_warnings(
             ));
         }
     }
-    Ok(())
 }
 
-fn report(arguments: &BakeArgs, console: &Console, package: &Package<'_>, up_to_date: bool) {
+fn report(
+    arguments: &BakeArgs,
+    console: &Console,
+    package: &Package<'_>,
+    metadata: &Value,
+    up_to_date: bool,
+) {
     let bytes = package.container().bytes().len() as u64;
-    let texels = package
-        .instances()
-        .next()
-        .map_or(1, |instance| instance.texel_count().max(1));
-    let per_texel = bytes as f64 / f64::from(texels);
+    let per_texel = describe::bytes_per_texel(package, bytes);
     let path = arguments.output.display();
     let state = if up_to_date { " (up to date)" } else { "" };
     console.line(format_args!(
@@ -186,7 +195,10 @@ fn report(arguments: &BakeArgs, console: &Console, package: &Package<'_>, up_to_
         human_bytes(bytes)
     ));
     for instance in package.instances() {
-        console.line(format_args!("  {}", describe(&instance)));
+        console.line(format_args!("  {}", describe::instance(&instance)));
+    }
+    for line in describe::normals(metadata) {
+        console.line(format_args!("  {line}"));
     }
     if let Some(preview) = &arguments.preview {
         console.line(format_args!("{}: preview", preview.display()));
@@ -194,28 +206,10 @@ fn report(arguments: &BakeArgs, console: &Console, package: &Package<'_>, up_to_
     console.document(&json!({
         "bytes": bytes,
         "bytes-per-texel": per_texel,
-        "instances": package.instances().map(|instance| describe(&instance)).collect::<Vec<_>>(),
+        "instances": package.instances().map(|instance| describe::instance_document(&instance)).collect::<Vec<_>>(),
         "output": path.to_string(),
         "preview": arguments.preview.as_ref().map(|preview| preview.display().to_string()),
+        "statistics": metadata["statistics"],
         "up-to-date": up_to_date,
     }));
-}
-
-/// One line about an instance.
-pub(super) fn describe(instance: &Instance) -> String {
-    let roughness = instance
-        .roughness
-        .map(|alpha| format!(", roughness {alpha}"))
-        .unwrap_or_default();
-    format!(
-        "instance {}: {} {} x {}{roughness}, {b} x {b} bins, leaf size {}, {} index, {}",
-        instance.number,
-        instance.method.name(),
-        instance.width,
-        instance.height,
-        instance.leaf_size,
-        instance.index.name(),
-        instance.wrap.name(),
-        b = instance.grid.resolution(),
-    )
 }

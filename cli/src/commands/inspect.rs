@@ -1,51 +1,28 @@
 //! `inspect`: what is in a package.
 
-use super::bake::describe;
+use super::describe::{self, bytes_per_texel};
 use super::open;
 use crate::args::InspectArgs;
-use crate::exit::{CommandError, Failure};
+use crate::exit::CommandError;
 use crate::output::{Console, human_bytes};
-use glintbake_format::records::METADATA;
-use glintbake_format::{Fault, Finding, SectionId};
-use glintbake_runtime::{Instance, Package};
+use glintbake_runtime::Package;
 use serde_json::{Value, json};
 
 /// Prints header, instances, sections and metadata.
 ///
 /// # Errors
-/// [`Failure::Input`] or [`Failure::Package`].
+/// [`CommandError`] if the package cannot be read or is damaged.
 pub fn run(arguments: &InspectArgs, console: &Console) -> Result<(), CommandError> {
     let path = &arguments.open.package;
     let bytes = open::checked(&arguments.open)?;
     let package = open::package(path, &bytes)?;
-    let metadata = metadata(&package).map_err(|error| error.in_file(path.display()))?;
+    let metadata = describe::metadata(&package).map_err(|error| error.in_file(path.display()))?;
     if console.json() {
         console.document(&document(&package, metadata));
     } else {
         print(&package, &metadata, console, &path.display().to_string());
     }
     Ok(())
-}
-
-/// The metadata of `package`.
-///
-/// # Errors
-/// [`Failure::Package`] if it is missing or not JSON.
-pub(super) fn metadata(package: &Package<'_>) -> Result<Value, CommandError> {
-    let id = SectionId::shared(METADATA);
-    let text: &[u8] = package.container().elements(id)?;
-    serde_json::from_slice(text).map_err(|error| {
-        let finding = Finding::new(Fault::Metadata).within(id);
-        CommandError::new(Failure::Package, format!("{finding}: {error}"))
-    })
-}
-
-fn bytes_per_texel(package: &Package<'_>, bytes: u64) -> f64 {
-    let texels = package
-        .instances()
-        .next()
-        .map_or(0, |instance| instance.texel_count());
-    bytes as f64 / f64::from(texels.max(1))
 }
 
 fn document(package: &Package<'_>, metadata: Value) -> Value {
@@ -75,30 +52,11 @@ fn document(package: &Package<'_>, metadata: Value) -> Value {
         "bytes": total,
         "bytes-per-texel": bytes_per_texel(package, total),
         "content-hash": hex(&header.content_hash),
-        "instances": package.instances().map(|instance| instance_document(&instance)).collect::<Vec<_>>(),
+        "instances": package.instances().map(|instance| describe::instance_document(&instance)).collect::<Vec<_>>(),
         "metadata": metadata,
         "recipe-hash": hex(&header.recipe_hash),
         "sections": sections,
         "version": [header.major.get(), header.minor.get()],
-    })
-}
-
-fn instance_document(instance: &Instance) -> Value {
-    json!({
-        "binning": instance.grid.binning().name(),
-        "bins-per-side": instance.grid.resolution(),
-        "filter": instance.filter.name(),
-        "height": instance.height,
-        "index": instance.index.name(),
-        "kernel": instance.method.kernel().name(),
-        "keys": instance.key_count,
-        "layer": instance.layer,
-        "leaf-size": instance.leaf_size,
-        "method": instance.method.name(),
-        "number": instance.number,
-        "roughness": instance.roughness,
-        "width": instance.width,
-        "wrap": instance.wrap.name(),
     })
 }
 
@@ -114,7 +72,7 @@ fn print(package: &Package<'_>, metadata: &Value, console: &Console, path: &str)
         bytes_per_texel(package, total)
     ));
     for instance in package.instances() {
-        console.result(format_args!("  {}", describe(&instance)));
+        console.result(format_args!("  {}", describe::instance(&instance)));
     }
     console.result("  section  instance    elements  size         bytes a texel");
     for entry in container.entries() {
@@ -144,25 +102,8 @@ fn print_metadata(metadata: &Value, console: &Console) {
             input["blake3"].as_str().unwrap_or("?")
         ));
     }
-    let statistics = &metadata["statistics"];
-    if let Some(lengths) = statistics["lengths"].as_object() {
-        console.result(format_args!(
-            "  normals: length {:.4} on average, {:.4} to {:.4} before normalising",
-            number(&lengths["mean"]),
-            number(&lengths["shortest"]),
-            number(&lengths["longest"])
-        ));
-    }
-    if statistics.is_object() {
-        console.result(format_args!(
-            "  normals: mean ({:.4}, {:.4}), mean cosine {:.4}, largest tilt {:.1} degrees, {} clamped, {} repaired",
-            number(&statistics["mean"][0]),
-            number(&statistics["mean"][1]),
-            number(&statistics["mean-cosine"]),
-            number(&statistics["largest-tilt-degrees"]),
-            statistics["clamped-to-rim"],
-            statistics["repaired"]
-        ));
+    for line in describe::normals(metadata) {
+        console.result(format_args!("  {line}"));
     }
     for left_out in metadata["left-out"].as_array().into_iter().flatten() {
         console.result(format_args!(
@@ -172,10 +113,6 @@ fn print_metadata(metadata: &Value, console: &Console) {
             left_out["reason"].as_str().unwrap_or("?")
         ));
     }
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or(f64::NAN)
 }
 
 fn hex(bytes: &[u8]) -> String {

@@ -1,6 +1,7 @@
 //! The verbs, one file each.
 
 pub mod bake;
+mod describe;
 pub mod inspect;
 mod open;
 mod paths;

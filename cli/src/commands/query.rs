@@ -265,7 +265,7 @@ impl Table {
             .map_err(as_io)?;
         for (row, density) in self.rows.iter().zip(densities) {
             writer
-                .write_record(self.with_result(&row.record, &density.to_string()))
+                .write_record(self.with_result(&row.record, &shortest(*density)))
                 .map_err(as_io)?;
         }
         writer.flush()
@@ -279,5 +279,14 @@ impl Table {
             None => fields.push(value),
         }
         fields
+    }
+}
+
+/// The shortest text that reads back as `value`: plain where that is short, else with an exponent.
+fn shortest(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e15).contains(&value) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
     }
 }

@@ -169,7 +169,7 @@ fn nan_in_an_exr_is_named_by_its_texel() {
     assert_eq!(run.code, Some(0), "{run:#?}");
     assert!(
         run.stderr
-            .starts_with("warning: map.exr: 2 texels could not be normals"),
+            .starts_with("warning: map.exr: 2 texels without a usable normal"),
         "{run:#?}"
     );
     workshop.succeeds(&["verify", "map.glint"]);
@@ -205,7 +205,7 @@ fn normals_without_a_direction_are_refused_unless_repaired() {
     assert_eq!(run.code, Some(0), "{run:#?}");
     assert_eq!(
         run.stderr,
-        "warning: map.png: 17 texels could not be normals and took the nearest valid one\n"
+        "warning: map.png: 17 texels without a usable normal took the nearest valid one\n"
     );
     let document = workshop.document(&["inspect", "map.glint", "--json"]);
     assert_eq!(document["metadata"]["statistics"]["repaired"], 17);

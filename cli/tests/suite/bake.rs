@@ -7,7 +7,7 @@ fn a_bake_says_what_is_in_the_package_and_the_package_is_sound() {
     let workshop = Workshop::with_map();
     let said = workshop.succeeds(&["bake", "map.png", "-o=map.glint", "--roughness=0.005,0.02"]);
     let lines: Vec<_> = said.lines().collect();
-    assert_eq!(lines.len(), 3, "{said}");
+    assert_eq!(lines.len(), 5, "{said}");
     let bytes = workshop.read("map.glint").len() as f64;
     assert_eq!(
         lines[0],
@@ -25,6 +25,11 @@ fn a_bake_says_what_is_in_the_package_and_the_package_is_sound() {
         lines[2].starts_with("  instance 2: flake-bins 96 x 40, roughness 0.02, 118 x 118 bins"),
         "{said}"
     );
+    assert!(
+        lines[3].starts_with("  normals: length 1.0000 on average"),
+        "{said}"
+    );
+    assert!(lines[4].ends_with("0 clamped, 0 repaired"), "{said}");
     assert_eq!(
         workshop.succeeds(&["verify", "map.glint"]),
         "map.glint: sound (structure, checksums and hash)\n"

@@ -85,6 +85,7 @@ fn every_command_has_a_document_of_stable_keys() {
             "instances",
             "output",
             "preview",
+            "statistics",
             "up-to-date"
         ]
     );

@@ -79,7 +79,7 @@ fn texels_just_outside_the_disk_are_counted() {
     assert_eq!(run.code, Some(0), "{run:#?}");
     assert_eq!(
         run.stderr,
-        "warning: map.png: 4 texels lay just outside the unit disk and were moved to its rim\n"
+        "warning: map.png: 4 texels just outside the unit disk moved to its rim\n"
     );
 }
 

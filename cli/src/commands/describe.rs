@@ -1,0 +1,98 @@
+//! Words for what a package holds, shared by the commands that name it.
+
+use crate::exit::{CommandError, Failure};
+use glintbake_format::records::METADATA;
+use glintbake_format::{Fault, Finding, SectionId};
+use glintbake_runtime::{Instance, Package};
+use serde_json::{Value, json};
+
+/// The metadata of `package`.
+///
+/// # Errors
+/// [`Failure::Package`] if it is missing or not JSON.
+pub(super) fn metadata(package: &Package<'_>) -> Result<Value, CommandError> {
+    let id = SectionId::shared(METADATA);
+    let text: &[u8] = package.container().elements(id)?;
+    serde_json::from_slice(text).map_err(|error| {
+        let finding = Finding::new(Fault::Metadata).within(id);
+        CommandError::new(Failure::Package, format!("{finding}: {error}"))
+    })
+}
+
+/// `bytes` for each texel of the package's map.
+pub(super) fn bytes_per_texel(package: &Package<'_>, bytes: u64) -> f64 {
+    let texels = package
+        .instances()
+        .next()
+        .map_or(0, |instance| instance.texel_count());
+    bytes as f64 / f64::from(texels.max(1))
+}
+
+/// One line about an instance.
+pub(super) fn instance(instance: &Instance) -> String {
+    let roughness = instance
+        .roughness
+        .map(|alpha| format!(", roughness {alpha}"))
+        .unwrap_or_default();
+    format!(
+        "instance {}: {} {} x {}{roughness}, {b} x {b} bins, leaf size {}, {} index, {}",
+        instance.number,
+        instance.method.name(),
+        instance.width,
+        instance.height,
+        instance.leaf_size,
+        instance.index.name(),
+        instance.wrap.name(),
+        b = instance.grid.resolution(),
+    )
+}
+
+/// An instance as a JSON document.
+pub(super) fn instance_document(instance: &Instance) -> Value {
+    json!({
+        "binning": instance.grid.binning().name(),
+        "bins-per-side": instance.grid.resolution(),
+        "filter": instance.filter.name(),
+        "height": instance.height,
+        "index": instance.index.name(),
+        "kernel": instance.method.kernel().name(),
+        "keys": instance.key_count,
+        "layer": instance.layer,
+        "leaf-size": instance.leaf_size,
+        "method": instance.method.name(),
+        "number": instance.number,
+        "roughness": instance.roughness,
+        "width": instance.width,
+        "wrap": instance.wrap.name(),
+    })
+}
+
+/// What the statistics in `metadata` say of the normals, in sentences; none if the package has none.
+pub(super) fn normals(metadata: &Value) -> Vec<String> {
+    let statistics = &metadata["statistics"];
+    let mut lines = Vec::new();
+    if let Some(lengths) = statistics["lengths"].as_object() {
+        lines.push(format!(
+            "normals: length {:.4} on average, {:.4} to {:.4} before normalising",
+            number(&lengths["mean"]),
+            number(&lengths["shortest"]),
+            number(&lengths["longest"])
+        ));
+    }
+    if statistics.is_object() {
+        lines.push(format!(
+            "normals: mean ({:.4}, {:.4}), mean cosine {:.4}, largest tilt {:.1} degrees, {} clamped, {} repaired",
+            number(&statistics["mean"][0]),
+            number(&statistics["mean"][1]),
+            number(&statistics["mean-cosine"]),
+            number(&statistics["largest-tilt-degrees"]),
+            statistics["clamped-to-rim"],
+            statistics["repaired"]
+        ));
+    }
+    lines
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or(f64::NAN)
+}
