@@ -1,7 +1,8 @@
-//! Visiting every texel under a footprint with its weight.
+//! Visiting every texel under a footprint with its weight, one row of the map at a time.
 
 use crate::error::QueryError;
-use crate::overlap::{Parallelogram, TexelBox};
+use crate::overlap::{CoveredRow, Outline, Parallelogram, TexelBox};
+use core::ops::Range;
 use glintbake_format::model::Wrap;
 
 /// Texels a scan may visit, as a multiple of the map's: enough for footprints of a few tiles, and a bound in time.
@@ -17,24 +18,81 @@ pub(crate) struct MapShape {
     pub wrap: Wrap,
 }
 
+/// Neighbouring texels of one row of the map, and what a footprint weighs them.
+///
+/// Most rows of a large footprint are of one weight but for their ends: whoever wants only some of the texels reads
+/// the map first and asks for the weights of those few.
+#[derive(Clone, Debug)]
+pub(crate) struct TexelRow<'a> {
+    /// Row of the map.
+    pub row: u32,
+    /// The columns that may hold weight.
+    pub columns: Range<u32>,
+    /// Those of them, possibly none, that all weigh [`even_weight`](Self::even_weight).
+    pub even: Range<u32>,
+    pub even_weight: f64,
+    ends: Ends<'a>,
+}
+
+/// Where the weights of texels come from that are not even.
+#[derive(Clone, Debug)]
+enum Ends<'a> {
+    /// There are none.
+    None,
+    Covered(CoveredRow),
+    /// Of a footprint too thin for coverage, in this row of its tile.
+    Clipped(&'a Parallelogram, f64),
+}
+
+impl TexelRow<'_> {
+    /// The weight of the texel in column `column`, one of [`columns`](Self::columns).
+    #[inline]
+    pub fn weight(&self, column: u32) -> f64 {
+        if self.even.contains(&column) {
+            self.even_weight
+        } else {
+            self.ends.weight(i64::from(column))
+        }
+    }
+}
+
+impl Ends<'_> {
+    fn weight(&self, column: i64) -> f64 {
+        match self {
+            Self::None => 0.0,
+            Self::Covered(row) => row.weight(column),
+            Self::Clipped(footprint, row) => {
+                let low = [column as f64, *row];
+                footprint.weight(&TexelBox {
+                    low,
+                    high: [low[0] + 1.0, low[1] + 1.0],
+                })
+            }
+        }
+    }
+}
+
 impl MapShape {
-    /// Calls `visit(column, row, weight)` for every texel under `footprint`; the weights add up to 1.
+    /// Calls `visit` for the texels under `footprint`, row by row; the weights add up to 1.
     ///
-    /// A texel is visited as often as the footprint meets it in different tiles. Tiles wholly inside are visited
-    /// once, with their number in the weight.
+    /// A texel is visited as often as the footprint meets it in different tiles, and the border's texels of a
+    /// clamped map once more for what lies beyond. Tiles wholly inside are visited once, with their number in the
+    /// weight.
     ///
     /// # Errors
     /// [`QueryError::TooManyTexels`] beyond 16 times the map, or what `visit` returns.
     pub fn scan(
         self,
         footprint: &Parallelogram,
-        visit: &mut impl FnMut(u32, u32, f64) -> Result<(), QueryError>,
+        visit: &mut impl FnMut(&TexelRow<'_>) -> Result<(), QueryError>,
     ) -> Result<(), QueryError> {
         let map_texels = u64::from(self.width) * u64::from(self.height);
         let limit = (BUDGET_MAPS * map_texels).max(BUDGET_LEAST);
         let mut budget = Budget { left: limit, limit };
-        if self.wrap == Wrap::Clamp {
-            return self.scan_rows(footprint, footprint.rows(1.0), None, &mut budget, visit);
+        let outline = Outline::new(footprint);
+        let outline = outline.as_ref();
+        if self.wrap == Wrap::Clamp || self.holds(footprint) {
+            return self.scan_tile(footprint, outline, &mut budget, visit);
         }
         let (width, height) = (f64::from(self.width), f64::from(self.height));
         let mut whole_tiles = 0_u64;
@@ -47,55 +105,92 @@ impl MapShape {
                 }
                 let tile =
                     footprint.relative_to(tile_column as f64 * width, tile_row as f64 * height);
-                let rows = tile.rows(1.0);
-                let rows = rows.start.max(0)..rows.end.min(i64::from(self.height));
-                let columns = 0..i64::from(self.width);
-                self.scan_rows(&tile, rows, Some(columns), &mut budget, visit)?;
+                self.scan_tile(&tile, outline, &mut budget, visit)?;
             }
         }
         if whole_tiles > 0 {
-            let weight = whole_tiles as f64 * footprint.texel_weight();
             for row in 0..self.height {
-                for column in 0..self.width {
-                    visit(column, row, weight)?;
-                }
+                visit(&TexelRow {
+                    row,
+                    columns: 0..self.width,
+                    even: 0..self.width,
+                    even_weight: whole_tiles as f64 * footprint.texel_weight(),
+                    ends: Ends::None,
+                })?;
             }
         }
         Ok(())
     }
 
-    fn scan_rows(
+    /// Whether `footprint` lies within the first tile.
+    fn holds(self, footprint: &Parallelogram) -> bool {
+        let TexelBox { low, high } = footprint.bounds();
+        low[0] >= 0.0
+            && low[1] >= 0.0
+            && high[0] <= f64::from(self.width)
+            && high[1] <= f64::from(self.height)
+    }
+
+    /// Visits the part of `footprint` in the first tile, or all of it if the map is clamped.
+    fn scan_tile(
         self,
         footprint: &Parallelogram,
-        rows: core::ops::Range<i64>,
-        columns: Option<core::ops::Range<i64>>,
+        outline: Option<&Outline>,
         budget: &mut Budget,
-        visit: &mut impl FnMut(u32, u32, f64) -> Result<(), QueryError>,
+        visit: &mut impl FnMut(&TexelRow<'_>) -> Result<(), QueryError>,
     ) -> Result<(), QueryError> {
-        let whole = footprint.texel_weight();
+        let clamped = self.wrap == Wrap::Clamp;
+        let size = i64::from(self.height);
+        let mut rows = footprint.rows(1.0);
+        if !clamped {
+            rows = within(&rows, size);
+        }
+        let tile = 0..i64::from(self.width);
         for row in rows {
-            let mut span = footprint.row_span(row as f64, 1.0, 1.0);
-            if let Some(columns) = &columns {
-                span.touched =
-                    span.touched.start.max(columns.start)..span.touched.end.min(columns.end);
-            }
-            let touched = span.touched.end.saturating_sub(span.touched.start).max(0) as u64;
-            budget.spend(touched)?;
-            let map_row = into_map(row, self.height);
-            for column in span.touched {
-                let weight = if span.inside.contains(&column) {
-                    whole
-                } else {
-                    let low = [column as f64, row as f64];
-                    footprint.weight(&TexelBox {
-                        low,
-                        high: [low[0] + 1.0, low[1] + 1.0],
-                    })
-                };
-                if weight > 0.0 {
-                    visit(into_map(column, self.width), map_row, weight)?;
+            let (touched, even, even_weight, ends) = match outline {
+                Some(outline) => {
+                    let covered = outline.row(footprint, row);
+                    let (touched, even, even_weight) = covered.columns();
+                    (touched, even, even_weight, Ends::Covered(covered))
+                }
+                None => {
+                    let span = footprint.row_span(row as f64, 1.0, 1.0);
+                    let ends = Ends::Clipped(footprint, row as f64);
+                    (span.touched, span.inside, footprint.texel_weight(), ends)
+                }
+            };
+            let columns = within(&touched, tile.end);
+            let spent = if clamped { &touched } else { &columns };
+            budget.spend(spent.end.abs_diff(spent.start))?;
+            let row = row.clamp(0, size - 1) as u32;
+            if clamped {
+                for (beyond, border) in [
+                    (touched.start..touched.end.min(0), 0),
+                    (touched.start.max(tile.end)..touched.end, self.width - 1),
+                ] {
+                    let weight = total(&beyond, &even, even_weight, &ends);
+                    if weight > 0.0 {
+                        visit(&TexelRow {
+                            row,
+                            columns: border..border.saturating_add(1),
+                            even: border..border.saturating_add(1),
+                            even_weight: weight,
+                            ends: Ends::None,
+                        })?;
+                    }
                 }
             }
+            if columns.is_empty() {
+                continue;
+            }
+            let even = within(&even, tile.end);
+            visit(&TexelRow {
+                row,
+                columns: columns.start as u32..columns.end as u32,
+                even: even.start as u32..even.end as u32,
+                even_weight,
+                ends,
+            })?;
         }
         Ok(())
     }
@@ -104,11 +199,34 @@ impl MapShape {
     pub fn texel_at(self, footprint: &Parallelogram, a: f64, b: f64) -> (u32, u32) {
         let fold = |cell: i64, size: u32| match self.wrap {
             Wrap::Repeat => cell.rem_euclid(i64::from(size)) as u32,
-            Wrap::Clamp => into_map(cell, size),
+            Wrap::Clamp => cell.clamp(0, i64::from(size) - 1) as u32,
         };
         let [column, row] = footprint.texel(a, b);
         (fold(column, self.width), fold(row, self.height))
     }
+}
+
+/// The weight of all texels in columns `columns`, of which those in `even` weigh `even_weight`.
+fn total(columns: &Range<i64>, even: &Range<i64>, even_weight: f64, ends: &Ends<'_>) -> f64 {
+    let start = even
+        .start
+        .clamp(columns.start, columns.end.max(columns.start));
+    let end = even.end.clamp(start, columns.end.max(start));
+    let mut sum: f64 = (columns.start..start)
+        .chain(end..columns.end)
+        .map(|column| ends.weight(column))
+        .sum();
+    // A footprint without area has an infinite weight for the even texels it lacks.
+    if start < end {
+        sum += (end - start) as f64 * even_weight;
+    }
+    sum
+}
+
+/// The part of `cells` on a map of `size` cells; empty ranges stay in bounds.
+fn within(cells: &Range<i64>, size: i64) -> Range<i64> {
+    let start = cells.start.clamp(0, size);
+    start..cells.end.clamp(start, size)
 }
 
 /// Texels a scan may still visit.
@@ -126,9 +244,4 @@ impl Budget {
             .ok_or(QueryError::TooManyTexels { limit })?;
         Ok(())
     }
-}
-
-/// `cell` clamped to the map of `size` cells; the identity where a scan is restricted to the map already.
-fn into_map(cell: i64, size: u32) -> u32 {
-    cell.clamp(0, i64::from(size) - 1) as u32
 }

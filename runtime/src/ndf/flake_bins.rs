@@ -114,8 +114,8 @@ impl<'a> FlakeBins<'a> {
         };
         let footprint = self.parallelogram(footprint)?;
         let weights = BinWeights::new(&self.tables, &footprint, window, self.lookup)?;
-        for (column, row, weight) in weights.nonzero() {
-            visit(column, row, weight);
+        for bin in weights.nonzero() {
+            visit(bin.column, bin.row, bin.weight);
         }
         Ok(())
     }
@@ -202,15 +202,16 @@ impl Ndf for FlakeBins<'_> {
                     &mut |column, row, weight| emit(grid.centre(column, row), weight),
                 )
             }
-            Setting::Exact => {
-                map_shape(&self.tables).scan(&parallelogram, &mut |column, row, weight| {
-                    emit(
-                        self.normal_of_texel(self.tables.texel(column, row))?,
-                        weight,
-                    );
-                    Ok(())
-                })
-            }
+            Setting::Exact => map_shape(&self.tables).scan(&parallelogram, &mut |texels| {
+                for column in texels.columns.clone() {
+                    let weight = texels.weight(column);
+                    if weight > 0.0 {
+                        let texel = self.tables.texel(column, texels.row);
+                        emit(self.normal_of_texel(texel)?, weight);
+                    }
+                }
+                Ok(())
+            }),
         }
     }
 

@@ -66,11 +66,11 @@ impl Ndf for SpecularBins<'_> {
             neighbourhood: None,
         };
         let weights = BinWeights::new(&self.tables, &footprint, window, Lookup::Auto)?;
-        for (_, _, weight) in weights.nonzero() {
+        for bin in weights.nonzero() {
             visit(Facet {
                 normal: half_vector.direction(),
                 density: 1.0 / grid.solid_angle(),
-                weight,
+                weight: bin.weight,
             });
         }
         Ok(())

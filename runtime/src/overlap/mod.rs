@@ -1,0 +1,213 @@
+//! Footprint against texels: how much of a box footprint's weight falls on an axis-aligned box of texels.
+//!
+//! The weight of a box is the measure of the (a, b) in [-1/2, 1/2]² for which `c + a e1 + b e2` lies in it: the unit
+//! square clipped by at most four half planes. Clipping the *parameters* instead of the parallelogram makes every
+//! limit come out by itself: no division by an area that may vanish, collinear edges give the distribution along
+//! their line, and two zero edges give all or nothing. Rounding of a weight is of the order of 1e-16 times the
+//! ratio of the centre's coordinate to the edges.
+
+mod clip;
+mod outline;
+mod rows;
+
+pub(crate) use outline::{CoveredRow, Outline};
+
+use crate::error::QueryError;
+use glintbake_format::model::{Footprint, MAX_EDGE_TILES, Wrap};
+
+/// A box in texel units; sides may be infinite where the map is clamped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct TexelBox {
+    pub low: [f64; 2],
+    pub high: [f64; 2],
+}
+
+/// How a box lies to a footprint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Relation {
+    /// They share no area.
+    Outside,
+    /// The box may be partly inside.
+    Crossing,
+    /// The box lies in the footprint.
+    Inside,
+}
+
+/// A box footprint in texel units.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Parallelogram {
+    /// Whole part of the centre. Apart from the rest, so that the rest keeps all its digits.
+    cell: [f64; 2],
+    /// The centre relative to `cell`, in [0, 1] but for rounding.
+    centre: [f64; 2],
+    edge_1: [f64; 2],
+    edge_2: [f64; 2],
+    /// Half the width and height of the bounding box.
+    extent: [f64; 2],
+    /// |e1 × e2|: the area in texels.
+    area: f64,
+}
+
+/// Relative slack of the inside and outside tests; a box they leave undecided is clipped, which is always right.
+const SLACK: f64 = 1e-12;
+
+impl Parallelogram {
+    /// `footprint` on a map of `width` × `height` texels, its centre reduced to the first tile where the map repeats.
+    ///
+    /// # Errors
+    /// [`QueryError::NotFinite`], [`QueryError::FootprintTooLarge`].
+    pub fn new(
+        footprint: &Footprint,
+        width: u32,
+        height: u32,
+        wrap: Wrap,
+    ) -> Result<Self, QueryError> {
+        let Footprint {
+            centre,
+            edge_1,
+            edge_2,
+        } = *footprint;
+        if ![centre, edge_1, edge_2]
+            .iter()
+            .flatten()
+            .all(|coordinate| coordinate.is_finite())
+        {
+            return Err(QueryError::NotFinite);
+        }
+        if [edge_1, edge_2]
+            .iter()
+            .flatten()
+            .any(|coordinate| coordinate.abs() > MAX_EDGE_TILES)
+        {
+            return Err(QueryError::FootprintTooLarge);
+        }
+        // Exact: a tile number is subtracted from a coordinate of the same magnitude, before anything is scaled.
+        let reduce = |coordinate: f64| match wrap {
+            Wrap::Repeat => coordinate - libm::floor(coordinate),
+            // Beyond this no footprint reaches the map, and border texels extend without end.
+            Wrap::Clamp => coordinate.clamp(-4.0 * MAX_EDGE_TILES, 4.0 * MAX_EDGE_TILES),
+        };
+        let size = [f64::from(width), f64::from(height)];
+        let scale = |[x, y]: [f64; 2]| [x * size[0], y * size[1]];
+        // The product of centre and size is rounded to the nearest f64, and can land on a texel's border though the
+        // centre lies before it; the fused remainder brings back what rounding took.
+        let centre = centre.map(reduce);
+        let product = scale(centre);
+        let rest = [
+            libm::fma(centre[0], size[0], -product[0]),
+            libm::fma(centre[1], size[1], -product[1]),
+        ];
+        let cell = product.map(libm::floor);
+        let (edge_1, edge_2) = (scale(edge_1), scale(edge_2));
+        Ok(Self {
+            cell,
+            centre: [
+                (product[0] - cell[0]) + rest[0],
+                (product[1] - cell[1]) + rest[1],
+            ],
+            edge_1,
+            edge_2,
+            extent: [
+                (edge_1[0].abs() + edge_2[0].abs()) * 0.5,
+                (edge_1[1].abs() + edge_2[1].abs()) * 0.5,
+            ],
+            area: (edge_1[0] * edge_2[1] - edge_1[1] * edge_2[0]).abs(),
+        })
+    }
+
+    /// The same footprint seen from the tile that begins at texel (`x`, `y`).
+    pub fn relative_to(&self, x: f64, y: f64) -> Self {
+        Self {
+            cell: [self.cell[0] - x, self.cell[1] - y],
+            ..*self
+        }
+    }
+
+    /// The point at parameters (`a`, `b`) in [-1/2, 1/2]², in texels.
+    fn point(&self, a: f64, b: f64) -> [f64; 2] {
+        let [x, y] = self.offset(a, b);
+        [self.cell[0] + x, self.cell[1] + y]
+    }
+
+    /// The same point relative to the centre's texel.
+    fn offset(&self, a: f64, b: f64) -> [f64; 2] {
+        [
+            self.centre[0] + a * self.edge_1[0] + b * self.edge_2[0],
+            self.centre[1] + a * self.edge_1[1] + b * self.edge_2[1],
+        ]
+    }
+
+    /// Column and row of the texel, of this or any other tile, under the point at parameters (`a`, `b`).
+    pub fn texel(&self, a: f64, b: f64) -> [i64; 2] {
+        let [x, y] = self.offset(a, b);
+        [
+            self.cell[0] as i64 + libm::floor(x) as i64,
+            self.cell[1] as i64 + libm::floor(y) as i64,
+        ]
+    }
+
+    /// Weight of one texel that lies wholly inside.
+    pub fn texel_weight(&self) -> f64 {
+        1.0 / self.area
+    }
+
+    /// Area in texels.
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// The bounding box.
+    pub fn bounds(&self) -> TexelBox {
+        TexelBox {
+            low: [
+                self.cell[0] + self.centre[0] - self.extent[0],
+                self.cell[1] + self.centre[1] - self.extent[1],
+            ],
+            high: [
+                self.cell[0] + self.centre[0] + self.extent[0],
+                self.cell[1] + self.centre[1] + self.extent[1],
+            ],
+        }
+    }
+
+    /// How `texels` lies to this footprint; [`Relation::Crossing`] in doubt.
+    ///
+    /// Separating axes: the box's own, and in parameter space a and b, where the box has the half extents
+    /// `(hx |e2y| + hy |e2x|) / |e1 × e2|` and `(hx |e1y| + hy |e1x|) / |e1 × e2|`. Everything is kept multiplied
+    /// by the area, so that a vanishing area needs no case of its own.
+    #[inline]
+    pub fn relation(&self, texels: &TexelBox) -> Relation {
+        let half = [
+            (texels.high[0] - texels.low[0]) * 0.5,
+            (texels.high[1] - texels.low[1]) * 0.5,
+        ];
+        let offset = [
+            (texels.high[0] + texels.low[0]) * 0.5 - self.cell[0] - self.centre[0],
+            (texels.high[1] + texels.low[1]) * 0.5 - self.cell[1] - self.centre[1],
+        ];
+        for axis in [0, 1] {
+            // Written so that NaN, from infinite sides, decides nothing.
+            #[expect(clippy::indexing_slicing, reason = "a literal index below 2")]
+            let (distance, reach) = (offset[axis].abs(), half[axis] + self.extent[axis]);
+            if distance > reach * (1.0 + SLACK) {
+                return Relation::Outside;
+            }
+        }
+        let mut inside = true;
+        for [x, y] in [self.edge_1, self.edge_2] {
+            let distance = (offset[0] * y - offset[1] * x).abs();
+            let reach = half[0] * y.abs() + half[1] * x.abs();
+            let slack = SLACK * ((offset[0] * y).abs() + (offset[1] * x).abs() + reach);
+            let half_area = 0.5 * self.area;
+            if distance > reach + half_area + slack {
+                return Relation::Outside;
+            }
+            inside &= distance + reach + slack < half_area;
+        }
+        if inside {
+            Relation::Inside
+        } else {
+            Relation::Crossing
+        }
+    }
+}
