@@ -4,10 +4,10 @@ use super::Parallelogram;
 use core::ops::Range;
 
 impl Parallelogram {
-    /// The columns that row `row` of unit height and `unit` texels shares with this footprint.
+    /// The columns that row `row` of a grid of `width` × `height` texels a cell shares with this footprint: 1 × 1 for
+    /// texels, the map's size for tiles.
     ///
     /// Convex, so both are intervals: `touched` may hold weight, `inside` (possibly empty) lies wholly inside.
-    /// Units of columns and rows: `width` × `height` texels, so that whole tiles can be asked for as well.
     pub fn row_span(&self, row: f64, width: f64, height: f64) -> RowSpan {
         let top = row * height;
         let bottom = top + height;
