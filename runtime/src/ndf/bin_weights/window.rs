@@ -51,55 +51,142 @@ impl BinWindow {
     }
 }
 
-/// Consecutive keys, of bins in one row of a window.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Run {
-    pub start: u32,
-    /// At most [`WINDOW`].
-    pub count: u32,
-}
+/// Places for runs: one more than a window has rows, so that they fill whole vector registers.
+pub(super) const RUNS: usize = WINDOW + 1;
 
-/// The keys of a window's bins: a run a row. Keys rise with bin numbers, so runs rise as well.
+/// The keys of a window's bins: a run of at most seven consecutive keys for each of its rows.
+///
+/// A key's place among the sums is 7 × row + column of its bin within the window, or for a sparse index, which may
+/// leave bins out, 7 × run + position in the run.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct KeyRuns {
-    runs: [Run; WINDOW],
+    /// The first key of each run.
+    pub starts: [u32; RUNS],
+    /// The number of keys of each run; zero beyond the last.
+    pub counts: [u32; RUNS],
+    /// The place of each run's first key.
+    pub places: [u32; RUNS],
     /// The least key of any run.
     pub least: u32,
     /// The greatest key of any run less [`least`](Self::least).
     pub spread: u32,
+    pub lattice: Option<Lattice>,
+}
+
+/// The keys of a window on a grid of less than 2¹⁶ bins whose numbers are the keys: `base + stride × row + column`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lattice {
+    base: u16,
+    /// Bins per row of the grid.
+    stride: u16,
+    /// 2¹⁶ / `stride`, rounded up.
+    reciprocal: u16,
+    rows: u16,
+    columns: u16,
+}
+
+impl Lattice {
+    /// Row and column of `key` if both are within the window, else any numbers that are not.
+    ///
+    /// The quotient by the reciprocal is right or, for large remainders, one too large; then the remainder wraps
+    /// around and is out of the window as it should be. A window's own keys are less than `7 stride` from `base`
+    /// with a remainder of at most 6 out of 8 or more, far from that.
+    #[inline]
+    fn cell(self, key: u16) -> (u16, u16) {
+        let distance = key.wrapping_sub(self.base);
+        let row = ((u32::from(distance) * u32::from(self.reciprocal)) >> 16) as u16;
+        (row, distance.wrapping_sub(row.wrapping_mul(self.stride)))
+    }
+
+    /// Whether `key` is of a bin in the window's square, corners included.
+    #[inline]
+    pub fn holds(self, key: u16) -> bool {
+        let (row, column) = self.cell(key);
+        (row < self.rows) & (column < self.columns)
+    }
+
+    /// The place of `key`, or `elsewhere`.
+    #[inline]
+    pub fn place(self, key: u16, elsewhere: u16) -> u16 {
+        let (row, column) = self.cell(key);
+        let place = row.wrapping_mul(WINDOW as u16).wrapping_add(column);
+        if (row < self.rows) & (column < self.columns) {
+            place
+        } else {
+            elsewhere
+        }
+    }
 }
 
 impl KeyRuns {
     /// The keys of `window`, or `None` if it holds no bin that has texels.
     pub fn new(window: BinWindow, grid: BinGrid, index: &BinIndex<'_>) -> Option<Self> {
-        let mut runs = [Run { start: 0, count: 0 }; WINDOW];
-        let (mut least, mut end) = (u32::MAX, 0);
-        for (run, (row, columns)) in runs.iter_mut().zip(window.runs(grid.resolution())) {
-            let keys = index.keys(grid.number(columns.start, row)..grid.number(columns.end, row));
-            if keys.is_empty() {
-                continue;
+        let dense = index.occupied().is_empty();
+        let reach = window.reach().unsigned_abs();
+        let resolution = grid.resolution();
+        let first_column = window.column.saturating_sub(reach);
+        let mut keys = Self {
+            starts: [0; RUNS],
+            counts: [0; RUNS],
+            places: [0; RUNS],
+            least: u32::MAX,
+            spread: 0,
+            lattice: None,
+        };
+        let mut end = 0;
+        let mut runs = keys
+            .starts
+            .iter_mut()
+            .zip(&mut keys.counts)
+            .zip(keys.places.iter_mut().zip((0..).step_by(WINDOW)));
+        for (row, columns) in window.runs(resolution) {
+            let range = index.keys(grid.number(columns.start, row)..grid.number(columns.end, row));
+            if !range.is_empty()
+                && let Some(((start, count), (place, first))) = runs.next()
+            {
+                *start = range.start;
+                *count = (range.end - range.start).min(WINDOW as u32);
+                *place = first
+                    + if dense {
+                        columns.start - first_column
+                    } else {
+                        0
+                    };
+                keys.least = keys.least.min(range.start);
+                end = end.max(range.end);
             }
-            least = least.min(keys.start);
-            end = end.max(keys.end);
-            *run = Run {
-                start: keys.start,
-                count: (keys.end - keys.start).min(WINDOW as u32),
-            };
         }
-        (least < end).then(|| Self {
-            runs,
-            least,
-            spread: end - 1 - least,
-        })
+        if keys.least >= end {
+            return None;
+        }
+        keys.spread = end - 1 - keys.least;
+        let first_row = window.row.saturating_sub(reach);
+        let cells = |from: u32, centre: u32| (centre + reach + 1).min(resolution) - from;
+        if dense
+            && resolution > WINDOW as u32
+            && let Ok(base) = u16::try_from(grid.number(first_column, first_row))
+            && let Ok(reciprocal) = u16::try_from(0x1_0000_u32.div_ceil(resolution))
+        {
+            keys.lattice = (grid.count() <= 0x1_0000).then_some(Lattice {
+                base,
+                stride: resolution as u16,
+                reciprocal,
+                rows: cells(first_row, window.row) as u16,
+                columns: cells(first_column, window.column) as u16,
+            });
+        }
+        Some(keys)
     }
 
-
-    /// Every key with its place: run × 7 + position in its run.
+    /// Every key with its place.
     pub fn keys(&self) -> impl Iterator<Item = (usize, u32)> {
-        (0..)
-            .step_by(WINDOW)
-            .zip(self.runs)
-            .flat_map(|(place, run)| (place..).zip(run.start..run.start.saturating_add(run.count)))
+        self.starts
+            .into_iter()
+            .zip(self.counts)
+            .zip(self.places)
+            .flat_map(|((start, count), place)| {
+                (place as usize..).zip(start..start.saturating_add(count))
+            })
     }
 
     /// The place of `key`, if it is one of the window's.
@@ -108,12 +195,17 @@ impl KeyRuns {
         if key.wrapping_sub(self.least) > self.spread {
             return None;
         }
-        (0..)
-            .step_by(WINDOW)
-            .zip(&self.runs)
-            .find_map(|(place, run)| {
-                let offset = key.wrapping_sub(run.start);
-                (offset < run.count).then_some(place + offset as usize)
-            })
+        // At most one run holds it. Adding up what each says, instead of stopping at the one that does, needs no
+        // branch that a processor could guess wrong.
+        let mut found = 0;
+        for ((start, count), place) in self.starts.iter().zip(&self.counts).zip(&self.places) {
+            let offset = key.wrapping_sub(*start);
+            found |= if offset < *count {
+                offset + place + 1
+            } else {
+                0
+            };
+        }
+        (found as usize).checked_sub(1)
     }
 }
