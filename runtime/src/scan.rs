@@ -1,4 +1,4 @@
-//! Visiting every texel under a footprint with its weight, one row of the map at a time.
+//! Visiting every texel under a footprint with its weight, a few rows of the map at a time.
 
 use crate::error::QueryError;
 use crate::overlap::{CoveredRow, Outline, Parallelogram, TexelBox};
@@ -9,6 +9,9 @@ use glintbake_format::model::Wrap;
 const BUDGET_MAPS: u64 = 16;
 /// What a scan may visit on any map, however small.
 const BUDGET_LEAST: u64 = 1 << 16;
+/// Rows handed out together. Rows of a map are pages apart in memory, and whoever waits for the first texel of one
+/// may as well wait for several.
+const ROWS: usize = 8;
 
 /// The size and wrap of a map.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +48,25 @@ enum Ends<'a> {
 }
 
 impl TexelRow<'_> {
+    const EMPTY: Self = Self {
+        row: 0,
+        columns: 0..0,
+        even: 0..0,
+        even_weight: 0.0,
+        ends: Ends::None,
+    };
+
+    /// Texels in columns `columns` that weigh `weight` each.
+    fn even(row: u32, columns: Range<u32>, weight: f64) -> Self {
+        Self {
+            row,
+            columns: columns.clone(),
+            even: columns,
+            even_weight: weight,
+            ends: Ends::None,
+        }
+    }
+
     /// The weight of the texel in column `column`, one of [`columns`](Self::columns).
     #[inline]
     pub fn weight(&self, column: u32) -> f64 {
@@ -73,7 +95,7 @@ impl Ends<'_> {
 }
 
 impl MapShape {
-    /// Calls `visit` for the texels under `footprint`, row by row; the weights add up to 1.
+    /// Calls `visit` for the texels under `footprint`, a few rows at a time; the weights add up to 1.
     ///
     /// A texel is visited as often as the footprint meets it in different tiles, and the border's texels of a
     /// clamped map once more for what lies beyond. Tiles wholly inside are visited once, with their number in the
@@ -84,7 +106,7 @@ impl MapShape {
     pub fn scan(
         self,
         footprint: &Parallelogram,
-        visit: &mut impl FnMut(&TexelRow<'_>) -> Result<(), QueryError>,
+        visit: &mut impl FnMut(&[TexelRow<'_>]) -> Result<(), QueryError>,
     ) -> Result<(), QueryError> {
         let map_texels = u64::from(self.width) * u64::from(self.height);
         let limit = (BUDGET_MAPS * map_texels).max(BUDGET_LEAST);
@@ -109,15 +131,12 @@ impl MapShape {
             }
         }
         if whole_tiles > 0 {
+            let weight = whole_tiles as f64 * footprint.texel_weight();
+            let mut rows = Rows::new(visit);
             for row in 0..self.height {
-                visit(&TexelRow {
-                    row,
-                    columns: 0..self.width,
-                    even: 0..self.width,
-                    even_weight: whole_tiles as f64 * footprint.texel_weight(),
-                    ends: Ends::None,
-                })?;
+                rows.push(TexelRow::even(row, 0..self.width, weight))?;
             }
+            rows.hand_out()?;
         }
         Ok(())
     }
@@ -137,7 +156,7 @@ impl MapShape {
         footprint: &Parallelogram,
         outline: Option<&Outline>,
         budget: &mut Budget,
-        visit: &mut impl FnMut(&TexelRow<'_>) -> Result<(), QueryError>,
+        visit: &mut impl FnMut(&[TexelRow<'_>]) -> Result<(), QueryError>,
     ) -> Result<(), QueryError> {
         let clamped = self.wrap == Wrap::Clamp;
         let size = i64::from(self.height);
@@ -146,6 +165,7 @@ impl MapShape {
             rows = within(&rows, size);
         }
         let tile = 0..i64::from(self.width);
+        let mut handed = Rows::new(visit);
         for row in rows {
             let (touched, even, even_weight, ends) = match outline {
                 Some(outline) => {
@@ -170,29 +190,23 @@ impl MapShape {
                 ] {
                     let weight = total(&beyond, &even, even_weight, &ends);
                     if weight > 0.0 {
-                        visit(&TexelRow {
-                            row,
-                            columns: border..border.saturating_add(1),
-                            even: border..border.saturating_add(1),
-                            even_weight: weight,
-                            ends: Ends::None,
-                        })?;
+                        let columns = border..border.saturating_add(1);
+                        handed.push(TexelRow::even(row, columns, weight))?;
                     }
                 }
             }
-            if columns.is_empty() {
-                continue;
+            if !columns.is_empty() {
+                let even = within(&even, tile.end);
+                handed.push(TexelRow {
+                    row,
+                    columns: columns.start as u32..columns.end as u32,
+                    even: even.start as u32..even.end as u32,
+                    even_weight,
+                    ends,
+                })?;
             }
-            let even = within(&even, tile.end);
-            visit(&TexelRow {
-                row,
-                columns: columns.start as u32..columns.end as u32,
-                even: even.start as u32..even.end as u32,
-                even_weight,
-                ends,
-            })?;
         }
-        Ok(())
+        handed.hand_out()
     }
 
     /// Column and row, on the map, of the texel under the point of `footprint` at parameters (`a`, `b`).
@@ -203,6 +217,44 @@ impl MapShape {
         };
         let [column, row] = footprint.texel(a, b);
         (fold(column, self.width), fold(row, self.height))
+    }
+}
+
+/// Rows that wait to be handed to a visitor together.
+struct Rows<'a, 'v, V> {
+    rows: [TexelRow<'a>; ROWS],
+    count: usize,
+    visit: &'v mut V,
+}
+
+impl<'a, 'v, V> Rows<'a, 'v, V>
+where
+    V: FnMut(&[TexelRow<'_>]) -> Result<(), QueryError>,
+{
+    fn new(visit: &'v mut V) -> Self {
+        Self {
+            rows: [const { TexelRow::EMPTY }; ROWS],
+            count: 0,
+            visit,
+        }
+    }
+
+    #[inline]
+    fn push(&mut self, row: TexelRow<'a>) -> Result<(), QueryError> {
+        if self.count == ROWS {
+            self.hand_out()?;
+        }
+        if let Some(slot) = self.rows.get_mut(self.count) {
+            *slot = row;
+            self.count += 1;
+        }
+        Ok(())
+    }
+
+    fn hand_out(&mut self) -> Result<(), QueryError> {
+        let rows = self.rows.get(..self.count).unwrap_or_default();
+        self.count = 0;
+        (self.visit)(rows)
     }
 }
 

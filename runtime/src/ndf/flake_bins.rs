@@ -4,7 +4,7 @@
 //! Mapping", 2021. `D(h) = Σ_j W_j D^α(h, b_j)` over the bins near h (eq. 15), or `Σ_k w_k D^α(h, t_k)` over the
 //! texels under the footprint (eq. 11).
 
-use super::bin_weights::{BinWeights, BinWindow, Lookup, map_shape};
+use super::bin_weights::{BinWindow, Lookup, bin_weights, map_shape};
 use super::{Facet, Ndf};
 use crate::error::QueryError;
 use crate::microfacet::beckmann;
@@ -113,11 +113,13 @@ impl<'a> FlakeBins<'a> {
             neighbourhood: Some(neighbourhood),
         };
         let footprint = self.parallelogram(footprint)?;
-        let weights = BinWeights::new(&self.tables, &footprint, window, self.lookup)?;
-        for bin in weights.nonzero() {
-            visit(bin.column, bin.row, bin.weight);
-        }
-        Ok(())
+        bin_weights(
+            &self.tables,
+            &footprint,
+            window,
+            self.lookup,
+            &mut |column, row, weight| visit(column, row, weight),
+        )
     }
 
     fn parallelogram(&self, footprint: &Footprint) -> Result<Parallelogram, QueryError> {
@@ -202,12 +204,14 @@ impl Ndf for FlakeBins<'_> {
                     &mut |column, row, weight| emit(grid.centre(column, row), weight),
                 )
             }
-            Setting::Exact => map_shape(&self.tables).scan(&parallelogram, &mut |texels| {
-                for column in texels.columns.clone() {
-                    let weight = texels.weight(column);
-                    if weight > 0.0 {
-                        let texel = self.tables.texel(column, texels.row);
-                        emit(self.normal_of_texel(texel)?, weight);
+            Setting::Exact => map_shape(&self.tables).scan(&parallelogram, &mut |rows| {
+                for row in rows {
+                    for column in row.columns.clone() {
+                        let weight = row.weight(column);
+                        if weight > 0.0 {
+                            let texel = self.tables.texel(column, row.row);
+                            emit(self.normal_of_texel(texel)?, weight);
+                        }
                     }
                 }
                 Ok(())

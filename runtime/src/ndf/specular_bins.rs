@@ -4,7 +4,7 @@
 //! Microstructure", 2020. `D(h) = Σ |A ∩ T_k| / (|H| |A|)` over the texels whose normal shares h's bin H (§2):
 //! the true density averaged over that bin.
 
-use super::bin_weights::{BinWeights, BinWindow, Lookup, map_shape};
+use super::bin_weights::{BinWindow, Lookup, bin_weights, map_shape};
 use super::flake_bins::check_finite;
 use super::{Facet, Ndf};
 use crate::error::QueryError;
@@ -65,15 +65,19 @@ impl Ndf for SpecularBins<'_> {
             row,
             neighbourhood: None,
         };
-        let weights = BinWeights::new(&self.tables, &footprint, window, Lookup::Auto)?;
-        for bin in weights.nonzero() {
-            visit(Facet {
-                normal: half_vector.direction(),
-                density: 1.0 / grid.solid_angle(),
-                weight: bin.weight,
-            });
-        }
-        Ok(())
+        bin_weights(
+            &self.tables,
+            &footprint,
+            window,
+            Lookup::Auto,
+            &mut |_, _, weight| {
+                visit(Facet {
+                    normal: half_vector.direction(),
+                    density: 1.0 / grid.solid_angle(),
+                    weight,
+                });
+            },
+        )
     }
 
     fn sample(

@@ -48,6 +48,13 @@ pub(crate) struct Parallelogram {
     area: f64,
 }
 
+/// The greatest integer not above `value`, a coordinate of less than 2⁵³.
+#[inline]
+fn floor(value: f64) -> i64 {
+    let truncated = value as i64;
+    truncated - i64::from(value < truncated as f64)
+}
+
 /// Relative slack of the inside and outside tests; a box they leave undecided is clipped, which is always right.
 const SLACK: f64 = 1e-12;
 

@@ -4,7 +4,7 @@
 //! right of the left cuts and left of the right ones is covered, and the part of a texel right of a cut is the mean
 //! of a clamped linear function. Nothing is clipped and no polygon is built.
 
-use super::Parallelogram;
+use super::{Parallelogram, floor};
 use core::ops::Range;
 
 /// Least area, relative to `E (1 + E)` for a bounding box of largest side `E`, of a footprint that has an
@@ -215,10 +215,10 @@ impl CoveredRow {
             return (0..0, 0..0, 0.0);
         }
         let origin = self.origin as i64;
-        let start = origin + libm::floor(low) as i64;
-        let end = origin + libm::floor(high) as i64 + 1;
-        let even_start = (origin + libm::ceil(first) as i64).clamp(start, end);
-        let even_end = (origin + libm::floor(last) as i64).clamp(even_start, end);
+        let start = origin + floor(low);
+        let end = origin + floor(high) + 1;
+        let even_start = (origin - floor(-first)).clamp(start, end);
+        let even_end = (origin + floor(last)).clamp(even_start, end);
         (
             start..end,
             even_start..even_end,

@@ -5,13 +5,17 @@ use super::{Sums, map_shape};
 use crate::error::QueryError;
 use crate::overlap::Parallelogram;
 use crate::scan::TexelRow;
+use core::hint::black_box;
 use glintbake_format::view::{BinMap, BinTables};
 use glintbake_format::{Fault, Finding};
 use zerocopy::little_endian::{U16, U32};
 
-/// Keys looked at together. Everything that is done to a chunk has no branches and a fixed length, which a compiler
-/// turns into vector instructions.
-const CHUNK: usize = 32;
+/// Keys looked at together, in the middle of a row and elsewhere. Everything that is done to them has no branches and
+/// a fixed length, which a compiler turns into vector instructions.
+const LONG: usize = 32;
+const SHORT: usize = 8;
+/// Texels of one weight in a row from which on they are counted rather than summed.
+const COUNTED: usize = 16;
 /// Places that a texel can be counted under: those of [`KeyRuns`] and [`ELSEWHERE`].
 const PLACES: usize = 64;
 /// The place of keys that no run holds. All ones: a place less one, where there is none, lands here.
@@ -21,23 +25,17 @@ const _: () = assert!(WINDOW * WINDOW < PLACES);
 const TABLES: usize = 4;
 
 /// A key as the bin map stores it.
-trait StoredKey: Copy {
-    fn number(self) -> u32;
-
+trait StoredKey: Copy + Default {
     /// Whether any of `keys` may be one of `runs`.
-    fn any_wanted(keys: &[Self; CHUNK], runs: &KeyRuns) -> bool;
+    fn any_wanted<const N: usize>(keys: &[Self; N], runs: &KeyRuns) -> bool;
 
     /// The place of each key, or [`ELSEWHERE`].
-    fn places(keys: &[Self; CHUNK], runs: &KeyRuns) -> [u16; CHUNK];
+    fn places<const N: usize>(keys: &[Self; N], runs: &KeyRuns) -> [u16; N];
 }
 
 impl StoredKey for U16 {
-    fn number(self) -> u32 {
-        u32::from(self.get())
-    }
-
     #[inline(always)]
-    fn any_wanted(keys: &[Self; CHUNK], runs: &KeyRuns) -> bool {
+    fn any_wanted<const N: usize>(keys: &[Self; N], runs: &KeyRuns) -> bool {
         if let Some(lattice) = runs.lattice {
             return any(keys, |key| lattice.holds(key.get()));
         }
@@ -49,12 +47,12 @@ impl StoredKey for U16 {
     }
 
     #[inline(always)]
-    fn places(keys: &[Self; CHUNK], runs: &KeyRuns) -> [u16; CHUNK] {
+    fn places<const N: usize>(keys: &[Self; N], runs: &KeyRuns) -> [u16; N] {
         if let Some(lattice) = runs.lattice {
             return keys.map(|key| lattice.place(key.get(), ELSEWHERE));
         }
         // At most one run holds a key, so what they say can be put together bit by bit.
-        let mut places = [0; CHUNK];
+        let mut places = [0; N];
         for ((&start, &count), &first) in runs.starts.iter().zip(&runs.counts).zip(&runs.places) {
             let Ok(start) = u16::try_from(start) else {
                 continue;
@@ -73,20 +71,16 @@ impl StoredKey for U16 {
 }
 
 impl StoredKey for U32 {
-    fn number(self) -> u32 {
-        self.get()
-    }
-
     #[inline(always)]
-    fn any_wanted(keys: &[Self; CHUNK], runs: &KeyRuns) -> bool {
+    fn any_wanted<const N: usize>(keys: &[Self; N], runs: &KeyRuns) -> bool {
         any(keys, |key| {
             key.get().wrapping_sub(runs.least) <= runs.spread
         })
     }
 
     #[inline(always)]
-    fn places(keys: &[Self; CHUNK], runs: &KeyRuns) -> [u16; CHUNK] {
-        let mut places = [0; CHUNK];
+    fn places<const N: usize>(keys: &[Self; N], runs: &KeyRuns) -> [u16; N] {
+        let mut places = [0; N];
         for ((&start, &count), &first) in runs.starts.iter().zip(&runs.counts).zip(&runs.places) {
             for (place, key) in places.iter_mut().zip(keys) {
                 let offset = key.get().wrapping_sub(start);
@@ -102,7 +96,7 @@ impl StoredKey for U32 {
 }
 
 #[inline(always)]
-fn any<K: Copy>(keys: &[K; CHUNK], wanted: impl Fn(K) -> bool) -> bool {
+fn any<K: Copy, const N: usize>(keys: &[K; N], wanted: impl Fn(K) -> bool) -> bool {
     keys.iter().fold(false, |any, &key| any | wanted(key))
 }
 
@@ -117,11 +111,11 @@ struct Counts {
 impl Counts {
     /// Counts a chunk of texels that weigh `weight` each.
     #[inline]
-    fn add(&mut self, places: &[u16; CHUNK], sums: &mut Sums) {
-        if self.counted > u32::MAX - CHUNK as u32 {
+    fn add<const N: usize>(&mut self, places: &[u16; N], sums: &mut Sums) {
+        if self.counted > u32::MAX - N as u32 {
             self.pour(sums);
         }
-        self.counted += CHUNK as u32;
+        self.counted += N as u32;
         for places in places.as_chunks::<TABLES>().0 {
             for (table, place) in self.tables.iter_mut().zip(places) {
                 if let Some(count) = table.get_mut(usize::from(*place) % PLACES) {
@@ -180,8 +174,16 @@ impl Sums {
             weight: 0.0,
             counted: 0,
         };
-        map_shape(tables).scan(footprint, &mut |row| {
-            self.add_row(runs, keys_under(keys, tables, row)?, row, &mut counts);
+        map_shape(tables).scan(footprint, &mut |rows| {
+            // Fetches the rows' first and last keys all at once: what is loaded here is not waited for, while the
+            // branches on each row's keys are.
+            for row in rows {
+                let keys = keys_under(keys, tables, row)?;
+                black_box((keys.first().copied(), keys.last().copied()));
+            }
+            for row in rows {
+                self.add_row(runs, keys_under(keys, tables, row)?, row, &mut counts);
+            }
             Ok(())
         })?;
         counts.pour(self);
@@ -198,7 +200,7 @@ impl Sums {
     ) {
         let start = row.columns.start;
         let even = (row.even.start - start) as usize..(row.even.end - start) as usize;
-        if even.len() < CHUNK {
+        if even.len() < COUNTED {
             return self.add_texels(runs, keys, start, row);
         }
         let (Some(before), Some(within), Some(after)) = (
@@ -209,14 +211,14 @@ impl Sums {
             return;
         };
         self.add_texels(runs, before, start, row);
-        let (chunks, rest) = within.as_chunks::<CHUNK>();
         counts.weigh(row.even_weight, self);
+        let (chunks, rest) = within.as_chunks::<LONG>();
         for chunk in chunks {
             if K::any_wanted(chunk, runs) {
                 counts.add(&K::places(chunk, runs), self);
             }
         }
-        self.add_texels(runs, rest, row.even.end - rest.len() as u32, row);
+        for_each_chunk(rest, runs, &mut |places, _| counts.add(places, self));
         self.add_texels(runs, after, row.even.end, row);
     }
 
@@ -229,17 +231,42 @@ impl Sums {
         first: u32,
         row: &TexelRow<'_>,
     ) {
-        for (first, chunk) in (first..).step_by(CHUNK).zip(keys.chunks(CHUNK)) {
-            if let Ok(whole) = chunk.try_into()
-                && !K::any_wanted(whole, runs)
-            {
-                continue;
-            }
-            for (column, key) in (first..).zip(chunk) {
-                if let Some(place) = runs.place(key.number()) {
-                    self.add(place, row.weight(column));
+        for_each_chunk(keys, runs, &mut |places, offset| {
+            for (column, &place) in (first + offset..).zip(places) {
+                if place != ELSEWHERE {
+                    self.add(usize::from(place), row.weight(column));
                 }
             }
+        });
+    }
+}
+
+/// Calls `visit` with the places of a few keys, and their offset in `keys`, wherever `keys` holds a wanted one.
+#[inline(always)]
+fn for_each_chunk<K: StoredKey>(
+    keys: &[K],
+    runs: &KeyRuns,
+    visit: &mut impl FnMut(&[u16; SHORT], u32),
+) {
+    let (chunks, rest) = keys.as_chunks::<SHORT>();
+    let mut offset = 0;
+    for chunk in chunks {
+        if K::any_wanted(chunk, runs) {
+            visit(&K::places(chunk, runs), offset);
+        }
+        offset += SHORT as u32;
+    }
+    if !rest.is_empty() {
+        let mut chunk = [K::default(); SHORT];
+        for (slot, key) in chunk.iter_mut().zip(rest) {
+            *slot = *key;
+        }
+        if K::any_wanted(&chunk, runs) {
+            let mut places = K::places(&chunk, runs);
+            for place in places.iter_mut().skip(rest.len()) {
+                *place = ELSEWHERE;
+            }
+            visit(&places, offset);
         }
     }
 }

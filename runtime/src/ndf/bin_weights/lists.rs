@@ -62,10 +62,12 @@ impl Sums {
         runs: &KeyRuns,
         weigh: &mut impl FnMut(Range<u32>) -> Result<f64, QueryError>,
     ) -> Result<(), QueryError> {
-        for (place, key) in runs.keys() {
-            let list = tables.index.list(key)?;
-            if !list.is_empty() {
-                self.add(place, weigh(list)?);
+        for (start, count, place) in runs.iter() {
+            for (place, key) in (place..place + count).zip(start..) {
+                let list = tables.index.list(key)?;
+                if !list.is_empty() {
+                    self.add(place as usize, weigh(list)?);
+                }
             }
         }
         Ok(())

@@ -33,77 +33,47 @@ pub enum Lookup {
     Lists,
 }
 
-/// A bin of a window and its weight.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct WeighedBin {
-    pub column: u32,
-    pub row: u32,
-    pub weight: f64,
-}
-
-/// The bins of a window that have weight.
-#[derive(Clone, Debug)]
-pub(crate) struct BinWeights {
-    bins: [WeighedBin; WINDOW * WINDOW],
-    count: usize,
-}
-
-impl BinWeights {
-    /// The weights of the bins of `window` over `footprint`.
-    ///
-    /// # Errors
-    /// [`QueryError::TooManyTexels`] from a forced scan, [`QueryError::Damaged`].
-    pub fn new(
-        tables: &BinTables<'_>,
-        footprint: &Parallelogram,
-        window: BinWindow,
-        lookup: Lookup,
-    ) -> Result<Self, QueryError> {
-        let mut weights = Self {
-            bins: [WeighedBin::default(); WINDOW * WINDOW],
-            count: 0,
-        };
-        let grid = tables.instance.grid;
-        let Some(runs) = KeyRuns::new(window, grid, &tables.index) else {
-            return Ok(weights);
-        };
-        let mut sums = Sums([0.0; WINDOW * WINDOW]);
-        let bounds = footprint.bounds();
-        let reach = (bounds.high[0] - bounds.low[0]).max(bounds.high[1] - bounds.low[1]);
-        let scan = match lookup {
-            Lookup::Auto => footprint.area() + 2.0 * reach < SCAN_BELOW_TEXELS,
-            Lookup::Scan => true,
-            Lookup::Lists => false,
-        };
-        if scan {
-            sums.scan(tables, footprint, &runs)?;
-        } else {
-            sums.traverse(tables, footprint, &runs)?;
-        }
-        for (place, key) in runs.keys() {
-            let weight = sums.0.get(place).copied().unwrap_or_default();
+/// Calls `visit(column, row, weight)` for the bins of `window` that have weight over `footprint`.
+///
+/// # Errors
+/// [`QueryError::TooManyTexels`] from a forced scan, [`QueryError::Damaged`].
+pub(crate) fn bin_weights(
+    tables: &BinTables<'_>,
+    footprint: &Parallelogram,
+    window: BinWindow,
+    lookup: Lookup,
+    visit: &mut impl FnMut(u32, u32, f64),
+) -> Result<(), QueryError> {
+    let grid = tables.instance.grid;
+    let Some(runs) = KeyRuns::new(window, grid, &tables.index) else {
+        return Ok(());
+    };
+    let mut sums = Sums([0.0; WINDOW * WINDOW]);
+    let bounds = footprint.bounds();
+    let reach = (bounds.high[0] - bounds.low[0]).max(bounds.high[1] - bounds.low[1]);
+    let scan = match lookup {
+        Lookup::Auto => footprint.area() + 2.0 * reach < SCAN_BELOW_TEXELS,
+        Lookup::Scan => true,
+        Lookup::Lists => false,
+    };
+    if scan {
+        sums.scan(tables, footprint, &runs)?;
+    } else {
+        sums.traverse(tables, footprint, &runs)?;
+    }
+    for (start, count, place) in runs.iter() {
+        let sums = sums.0.iter().skip(place as usize).take(count as usize);
+        for (key, &weight) in (start..).zip(sums) {
             if weight > 0.0 {
                 let (column, row) = grid.column_row(tables.index.bin_of_key(key)?);
                 // An index may lie about the bin of a key; no bin outside the window gets weight by that.
-                if window.holds(column, row)
-                    && let Some(slot) = weights.bins.get_mut(weights.count)
-                {
-                    *slot = WeighedBin {
-                        column,
-                        row,
-                        weight,
-                    };
-                    weights.count += 1;
+                if window.holds(column, row) {
+                    visit(column, row, weight);
                 }
             }
         }
-        Ok(weights)
     }
-
-    /// Every bin that has weight, row by row.
-    pub fn nonzero(&self) -> &[WeighedBin] {
-        self.bins.get(..self.count).unwrap_or_default()
-    }
+    Ok(())
 }
 
 /// Sums of weights by the places of [`KeyRuns`].

@@ -178,34 +178,12 @@ impl KeyRuns {
         Some(keys)
     }
 
-    /// Every key with its place.
-    pub fn keys(&self) -> impl Iterator<Item = (usize, u32)> {
+    /// First key, number of keys and first place of each run.
+    pub fn iter(&self) -> impl Iterator<Item = (u32, u32, u32)> {
         self.starts
             .into_iter()
             .zip(self.counts)
             .zip(self.places)
-            .flat_map(|((start, count), place)| {
-                (place as usize..).zip(start..start.saturating_add(count))
-            })
-    }
-
-    /// The place of `key`, if it is one of the window's.
-    #[inline]
-    pub fn place(&self, key: u32) -> Option<usize> {
-        if key.wrapping_sub(self.least) > self.spread {
-            return None;
-        }
-        // At most one run holds it. Adding up what each says, instead of stopping at the one that does, needs no
-        // branch that a processor could guess wrong.
-        let mut found = 0;
-        for ((start, count), place) in self.starts.iter().zip(&self.counts).zip(&self.places) {
-            let offset = key.wrapping_sub(*start);
-            found |= if offset < *count {
-                offset + place + 1
-            } else {
-                0
-            };
-        }
-        (found as usize).checked_sub(1)
+            .map(|((start, count), place)| (start, count, place))
     }
 }
