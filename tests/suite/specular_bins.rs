@@ -36,9 +36,9 @@ fn densities_equal_the_oracles() {
                         "{} {bins} {texels} {h:?}: {got} instead of {expected}",
                         kind.name()
                     );
-                    assert_eq!(
-                        ndf.pdf(&footprint, h),
-                        Ok(got),
+                    let pdf = ndf.pdf(&footprint, h).unwrap();
+                    assert!(
+                        (pdf - got).abs() <= 1e-14 * got,
                         "mirror facets have h·n = 1"
                     );
                 }

@@ -4,11 +4,12 @@
 //! Mapping", 2021. `D(h) = Σ_j W_j D^α(h, b_j)` over the bins near h (eq. 15), or `Σ_k w_k D^α(h, t_k)` over the
 //! texels under the footprint (eq. 11).
 
-use super::bin_weights::{BinWindow, Lookup, bin_weights, map_shape};
+use super::bin_weights::{
+    BinWindow, Lookup, bin_weights, check_finite, map_shape, parallelogram, texel_under,
+};
 use super::{Facet, Ndf};
 use crate::error::QueryError;
 use crate::microfacet::beckmann;
-use crate::microfacet::vector::dot;
 use crate::overlap::Parallelogram;
 use glintbake_format::model::{Footprint, HalfVector, Neighbourhood};
 use glintbake_format::records::{EXACT_NORMALS, Instance};
@@ -106,30 +107,31 @@ impl<'a> FlakeBins<'a> {
         neighbourhood: Neighbourhood,
         visit: &mut dyn FnMut(u32, u32, f64),
     ) -> Result<(), QueryError> {
+        check_finite(half_vector)?;
+        let footprint = parallelogram(&self.tables, footprint)?;
+        self.weigh(&footprint, half_vector, neighbourhood, visit)
+    }
+
+    fn weigh(
+        &self,
+        footprint: &Parallelogram,
+        half_vector: HalfVector,
+        neighbourhood: Neighbourhood,
+        visit: &mut dyn FnMut(u32, u32, f64),
+    ) -> Result<(), QueryError> {
         let (column, row) = self.tables.instance.grid.bin_of(half_vector);
         let window = BinWindow {
             column,
             row,
             neighbourhood: Some(neighbourhood),
         };
-        let footprint = self.parallelogram(footprint)?;
         bin_weights(
             &self.tables,
-            &footprint,
+            footprint,
             window,
             self.lookup,
             &mut |column, row, weight| visit(column, row, weight),
         )
-    }
-
-    fn parallelogram(&self, footprint: &Footprint) -> Result<Parallelogram, QueryError> {
-        let Instance {
-            width,
-            height,
-            wrap,
-            ..
-        } = self.tables.instance;
-        Parallelogram::new(footprint, width, height, wrap)
     }
 
     /// The normal of texel number `texel` as the setting sees it: its own, or its bin's centre.
@@ -179,7 +181,7 @@ impl Ndf for FlakeBins<'_> {
     ) -> Result<(), QueryError> {
         check_finite(half_vector)?;
         // Refuse a bad footprint whatever the half vector, so that an error does not depend on the light.
-        let parallelogram = self.parallelogram(footprint)?;
+        let footprint = parallelogram(&self.tables, footprint)?;
         if !half_vector.is_on_disk() {
             return Ok(());
         }
@@ -197,14 +199,14 @@ impl Ndf for FlakeBins<'_> {
         match self.setting {
             Setting::Binned(neighbourhood) => {
                 let grid = self.tables.instance.grid;
-                self.bin_weights(
-                    footprint,
+                self.weigh(
+                    &footprint,
                     half_vector,
                     neighbourhood,
                     &mut |column, row, weight| emit(grid.centre(column, row), weight),
                 )
             }
-            Setting::Exact => map_shape(&self.tables).scan(&parallelogram, &mut |rows| {
+            Setting::Exact => map_shape(&self.tables).scan(&footprint, &mut |rows| {
                 for row in rows {
                     for column in row.columns.clone() {
                         let weight = row.weight(column);
@@ -224,10 +226,7 @@ impl Ndf for FlakeBins<'_> {
         footprint: &Footprint,
         uniform: [f64; 4],
     ) -> Result<Option<HalfVector>, QueryError> {
-        let parallelogram = self.parallelogram(footprint)?;
-        let (column, row) =
-            map_shape(&self.tables).texel_at(&parallelogram, uniform[0] - 0.5, uniform[1] - 0.5);
-        let texel = self.tables.texel(column, row);
+        let texel = texel_under(&self.tables, footprint, [uniform[0], uniform[1]])?;
         let centre = self.normal_of_texel(texel)?;
         let drawn = beckmann::sample(centre, self.roughness, [uniform[2], uniform[3]]);
         if drawn[2] <= 0.0 {
@@ -248,22 +247,5 @@ impl Ndf for FlakeBins<'_> {
             }
         }
         Ok(half_vector.is_on_disk().then_some(half_vector))
-    }
-
-    fn pdf(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError> {
-        let direction = half_vector.direction();
-        let mut sum = 0.0;
-        self.facets(footprint, half_vector, &mut |facet| {
-            sum += facet.density * facet.weight * dot(direction, facet.normal).max(0.0);
-        })?;
-        Ok(sum)
-    }
-}
-
-pub(super) fn check_finite(half_vector: HalfVector) -> Result<(), QueryError> {
-    if half_vector.s.is_finite() && half_vector.t.is_finite() {
-        Ok(())
-    } else {
-        Err(QueryError::NotFinite)
     }
 }

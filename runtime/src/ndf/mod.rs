@@ -11,6 +11,7 @@ pub use flake_bins::{FlakeBins, Setting};
 pub use specular_bins::SpecularBins;
 
 use crate::error::QueryError;
+use crate::microfacet::vector::dot;
 use glintbake_format::Container;
 use glintbake_format::model::{Footprint, HalfVector, Method};
 use glintbake_format::records::Instance;
@@ -75,7 +76,14 @@ pub trait Ndf {
     ///
     /// # Errors
     /// As [`facets`](Self::facets).
-    fn pdf(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError>;
+    fn pdf(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError> {
+        let direction = half_vector.direction();
+        let mut sum = 0.0;
+        self.facets(footprint, half_vector, &mut |facet| {
+            sum += facet.density * facet.weight * dot(direction, facet.normal).max(0.0);
+        })?;
+        Ok(sum)
+    }
 }
 
 /// The P-NDF of an instance, by whichever method it was baked for.

@@ -4,11 +4,11 @@
 //! Microstructure", 2020. `D(h) = Σ |A ∩ T_k| / (|H| |A|)` over the texels whose normal shares h's bin H (§2):
 //! the true density averaged over that bin.
 
-use super::bin_weights::{BinWindow, Lookup, bin_weights, map_shape};
-use super::flake_bins::check_finite;
+use super::bin_weights::{
+    BinWindow, Lookup, bin_weights, check_finite, parallelogram, texel_under,
+};
 use super::{Facet, Ndf};
 use crate::error::QueryError;
-use crate::overlap::Parallelogram;
 use glintbake_format::Container;
 use glintbake_format::model::{Footprint, HalfVector};
 use glintbake_format::records::Instance;
@@ -30,16 +30,6 @@ impl<'a> SpecularBins<'a> {
             tables: BinTables::open(container, instance)?,
         })
     }
-
-    fn parallelogram(&self, footprint: &Footprint) -> Result<Parallelogram, QueryError> {
-        let Instance {
-            width,
-            height,
-            wrap,
-            ..
-        } = self.tables.instance;
-        Parallelogram::new(footprint, width, height, wrap)
-    }
 }
 
 impl Ndf for SpecularBins<'_> {
@@ -54,7 +44,7 @@ impl Ndf for SpecularBins<'_> {
         visit: &mut dyn FnMut(Facet),
     ) -> Result<(), QueryError> {
         check_finite(half_vector)?;
-        let footprint = self.parallelogram(footprint)?;
+        let footprint = parallelogram(&self.tables, footprint)?;
         if !half_vector.is_on_disk() {
             return Ok(());
         }
@@ -85,20 +75,12 @@ impl Ndf for SpecularBins<'_> {
         footprint: &Footprint,
         uniform: [f64; 4],
     ) -> Result<Option<HalfVector>, QueryError> {
-        let footprint = self.parallelogram(footprint)?;
-        let (column, row) =
-            map_shape(&self.tables).texel_at(&footprint, uniform[0] - 0.5, uniform[1] - 0.5);
-        let texel = self.tables.texel(column, row);
+        let texel = texel_under(&self.tables, footprint, [uniform[0], uniform[1]])?;
         let grid = self.tables.instance.grid;
         let (column, row) = grid.column_row(self.tables.bin_of_texel(texel)?);
         // Equal areas of the square are equal solid angles: uniform in the bin's square is uniform in the bin.
         Ok(Some(
             grid.normal_in_bin(column, row, uniform[2], uniform[3]),
         ))
-    }
-
-    fn pdf(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError> {
-        // A mirror facet's normal is the half vector itself, so the factor (h · normal) is 1.
-        self.eval(footprint, half_vector)
     }
 }

@@ -12,6 +12,7 @@ pub(crate) use window::BinWindow;
 use crate::error::QueryError;
 use crate::overlap::Parallelogram;
 use crate::scan::MapShape;
+use glintbake_format::model::{Footprint, HalfVector};
 use glintbake_format::view::BinTables;
 use window::{KeyRuns, WINDOW};
 
@@ -93,5 +94,39 @@ pub(crate) fn map_shape(tables: &BinTables<'_>) -> MapShape {
         width: tables.instance.width,
         height: tables.instance.height,
         wrap: tables.instance.wrap,
+    }
+}
+
+/// `footprint` on the map of `tables`, in texels.
+pub(crate) fn parallelogram(
+    tables: &BinTables<'_>,
+    footprint: &Footprint,
+) -> Result<Parallelogram, QueryError> {
+    let MapShape {
+        width,
+        height,
+        wrap,
+    } = map_shape(tables);
+    Parallelogram::new(footprint, width, height, wrap)
+}
+
+/// The number of the texel under a uniform point of `footprint`, drawn by two numbers in [0, 1).
+pub(crate) fn texel_under(
+    tables: &BinTables<'_>,
+    footprint: &Footprint,
+    uniform: [f64; 2],
+) -> Result<usize, QueryError> {
+    let footprint = parallelogram(tables, footprint)?;
+    let [a, b] = uniform.map(|number| number - 0.5);
+    let (column, row) = map_shape(tables).texel_at(&footprint, a, b);
+    Ok(tables.texel(column, row))
+}
+
+/// Refuses a half vector that is no point.
+pub(crate) fn check_finite(half_vector: HalfVector) -> Result<(), QueryError> {
+    if half_vector.s.is_finite() && half_vector.t.is_finite() {
+        Ok(())
+    } else {
+        Err(QueryError::NotFinite)
     }
 }
