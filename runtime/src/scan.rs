@@ -142,7 +142,7 @@ impl MapShape {
     }
 
     /// Whether `footprint` lies within the first tile.
-    fn holds(self, footprint: &Parallelogram) -> bool {
+    pub fn holds(self, footprint: &Parallelogram) -> bool {
         let TexelBox { low, high } = footprint.bounds();
         low[0] >= 0.0
             && low[1] >= 0.0

@@ -8,9 +8,11 @@
 
 mod clip;
 mod outline;
+mod probe;
 mod rows;
 
 pub(crate) use outline::{CoveredRow, Outline};
+pub(crate) use probe::Probe;
 
 use crate::error::QueryError;
 use glintbake_format::model::{Footprint, MAX_EDGE_TILES, Wrap};
@@ -20,17 +22,6 @@ use glintbake_format::model::{Footprint, MAX_EDGE_TILES, Wrap};
 pub(crate) struct TexelBox {
     pub low: [f64; 2],
     pub high: [f64; 2],
-}
-
-/// How a box lies to a footprint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Relation {
-    /// They share no area.
-    Outside,
-    /// The box may be partly inside.
-    Crossing,
-    /// The box lies in the footprint.
-    Inside,
 }
 
 /// A box footprint in texel units.
@@ -54,9 +45,6 @@ fn floor(value: f64) -> i64 {
     let truncated = value as i64;
     truncated - i64::from(value < truncated as f64)
 }
-
-/// Relative slack of the inside and outside tests; a box they leave undecided is clipped, which is always right.
-const SLACK: f64 = 1e-12;
 
 impl Parallelogram {
     /// `footprint` on a map of `width` × `height` texels, its centre reduced to the first tile where the map repeats.
@@ -174,47 +162,6 @@ impl Parallelogram {
                 self.cell[0] + self.centre[0] + self.extent[0],
                 self.cell[1] + self.centre[1] + self.extent[1],
             ],
-        }
-    }
-
-    /// How `texels` lies to this footprint; [`Relation::Crossing`] in doubt.
-    ///
-    /// Separating axes: the box's own, and in parameter space a and b, where the box has the half extents
-    /// `(hx |e2y| + hy |e2x|) / |e1 × e2|` and `(hx |e1y| + hy |e1x|) / |e1 × e2|`. Everything is kept multiplied
-    /// by the area, so that a vanishing area needs no case of its own.
-    #[inline]
-    pub fn relation(&self, texels: &TexelBox) -> Relation {
-        let half = [
-            (texels.high[0] - texels.low[0]) * 0.5,
-            (texels.high[1] - texels.low[1]) * 0.5,
-        ];
-        let offset = [
-            (texels.high[0] + texels.low[0]) * 0.5 - self.cell[0] - self.centre[0],
-            (texels.high[1] + texels.low[1]) * 0.5 - self.cell[1] - self.centre[1],
-        ];
-        for axis in [0, 1] {
-            // Written so that NaN, from infinite sides, decides nothing.
-            #[expect(clippy::indexing_slicing, reason = "a literal index below 2")]
-            let (distance, reach) = (offset[axis].abs(), half[axis] + self.extent[axis]);
-            if distance > reach * (1.0 + SLACK) {
-                return Relation::Outside;
-            }
-        }
-        let mut inside = true;
-        for [x, y] in [self.edge_1, self.edge_2] {
-            let distance = (offset[0] * y - offset[1] * x).abs();
-            let reach = half[0] * y.abs() + half[1] * x.abs();
-            let slack = SLACK * ((offset[0] * y).abs() + (offset[1] * x).abs() + reach);
-            let half_area = 0.5 * self.area;
-            if distance > reach + half_area + slack {
-                return Relation::Outside;
-            }
-            inside &= distance + reach + slack < half_area;
-        }
-        if inside {
-            Relation::Inside
-        } else {
-            Relation::Crossing
         }
     }
 }

@@ -234,7 +234,7 @@ impl Sums {
         for_each_chunk(keys, runs, &mut |places, offset| {
             for (column, &place) in (first + offset..).zip(places) {
                 if place != ELSEWHERE {
-                    self.add(usize::from(place), row.weight(column));
+                    self.add(u32::from(place), row.weight(column));
                 }
             }
         });

@@ -82,8 +82,8 @@ struct Sums([f64; WINDOW * WINDOW]);
 
 impl Sums {
     #[inline]
-    fn add(&mut self, place: usize, weight: f64) {
-        if let Some(sum) = self.0.get_mut(place) {
+    fn add(&mut self, place: u32, weight: f64) {
+        if let Some(sum) = self.0.get_mut(place as usize) {
             *sum += weight;
         }
     }
