@@ -196,11 +196,12 @@ impl MapShape {
                 }
             }
             if !columns.is_empty() {
-                let even = within(&even, tile.end);
+                let even_start = even.start.clamp(columns.start, columns.end);
+                let even_end = even.end.clamp(even_start, columns.end);
                 handed.push(TexelRow {
                     row,
                     columns: columns.start as u32..columns.end as u32,
-                    even: even.start as u32..even.end as u32,
+                    even: even_start as u32..even_end as u32,
                     even_weight,
                     ends,
                 })?;

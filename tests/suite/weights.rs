@@ -220,3 +220,86 @@ fn a_sparse_index_gives_the_same_weights() {
         assert!((seen - near).abs() < WEIGHT_ROUNDING, "no bin is missed");
     }
 }
+
+/// A footprint of two perpendicular edges at a random angle, in texels of a map of `width` × `height`.
+fn box_at_random(stream: &mut Stream, edges: [f64; 2], width: u32, height: u32) -> Footprint {
+    let angle = stream.between(0.0, std::f64::consts::TAU);
+    let size = [f64::from(width), f64::from(height)];
+    let (cosine, sine) = (angle.cos(), angle.sin());
+    Footprint {
+        centre: [stream.between(-2.0, 3.0), stream.between(-2.0, 3.0)],
+        edge_1: [edges[0] * cosine / size[0], edges[0] * sine / size[1]],
+        edge_2: [-edges[1] * sine / size[0], edges[1] * cosine / size[1]],
+    }
+}
+
+#[test]
+fn weights_equal_the_oracles_for_every_size_and_thinness() {
+    // From footprints weighed by coverage to slivers clipped in parameter space, and the change between the two.
+    for wrap in [Wrap::Repeat, Wrap::Clamp] {
+        let (width, height) = (48, 40);
+        let map = sample_map(Kind::Flakes, width, height, 6, wrap);
+        let mut stream = Stream::new(12);
+        let mut footprints = Vec::new();
+        for long in [0.003, 0.05, 0.7, 1.0, 4.0, 20.0, 75.0] {
+            for thinness in [1.0, 3.0, 30.0, 300.0, 900.0, 1100.0, 1e4] {
+                for _ in 0..3 {
+                    let edges = [long, long / thinness];
+                    footprints.push(box_at_random(&mut stream, edges, width, height));
+                }
+            }
+        }
+        compare(&map, 0.3, 4, &footprints, WEIGHT_ROUNDING);
+    }
+}
+
+#[test]
+fn weights_equal_the_oracles_where_texels_are_counted_by_the_hundred() {
+    // Rows of many chunks of keys: narrow keys of a dense and of a sparse index, and wide keys.
+    for (side, alpha, texels) in [(300, 0.02, 250.0), (200, 0.002, 150.0), (400, 0.001, 300.0)] {
+        for kind in [Kind::Scratches, Kind::Brushed, Kind::Noise] {
+            let map = sample_map(kind, side, side, 4, Wrap::Repeat);
+            let bytes = flake_package(&map, &[alpha], 32);
+            let package = Package::open(&bytes).expect("a fresh package opens");
+            let ndf = flake_bins(&package);
+            let grid = ndf.instance().grid;
+            let mut stream = Stream::new(9);
+            for thinness in [1.0, 2.0, 40.0] {
+                let footprint = box_at_random(&mut stream, [texels, texels / thinness], side, side);
+                let expected = oracle::flake_bins::bin_weights(&map, &footprint, alpha);
+                for _ in 0..20 {
+                    let half_vector = stream.half_vector_near(&map, &footprint, alpha);
+                    let (column, row) = grid.bin_of(half_vector);
+                    let near: BTreeMap<_, _> = expected
+                        .iter()
+                        .filter(|((x, y), _)| {
+                            let (dx, dy) = (x.abs_diff(column), y.abs_diff(row));
+                            dx <= 3 && dy <= 3 && dx + dy < 6
+                        })
+                        .collect();
+                    for lookup in [Lookup::Lists, Lookup::Scan, Lookup::Auto] {
+                        let mut found = 0;
+                        ndf.with_lookup(lookup)
+                            .bin_weights(
+                                &footprint,
+                                half_vector,
+                                Neighbourhood::Bins45,
+                                &mut |x, y, weight| {
+                                    let expected = near.get(&(x, y)).map_or(0.0, |weight| **weight);
+                                    assert!(
+                                        (weight - expected).abs() <= WEIGHT_ROUNDING,
+                                        "bin ({x}, {y}) of {footprint:?}: {weight} instead of \
+                                         {expected} by {lookup:?}"
+                                    );
+                                    found += usize::from(expected > WEIGHT_ROUNDING);
+                                },
+                            )
+                            .expect("in range");
+                        let present = near.values().filter(|weight| ***weight > WEIGHT_ROUNDING);
+                        assert_eq!(found, present.count(), "no bin is missed by {lookup:?}");
+                    }
+                }
+            }
+        }
+    }
+}

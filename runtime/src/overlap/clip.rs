@@ -1,4 +1,10 @@
 //! Clipping in parameter space: a box's weight whatever the footprint's shape.
+//!
+//! The weight of a box is the measure of the (a, b) in [-1/2, 1/2]² for which `c + a e1 + b e2` lies in it: the unit
+//! square clipped by at most four half planes. Clipping the *parameters* instead of the parallelogram makes every
+//! limit come out by itself: no division by an area that may vanish, collinear edges give the distribution along
+//! their line, and two zero edges give all or nothing. Rounding of a weight is of the order of 1e-16 times the
+//! ratio of the centre's coordinate to the edges.
 
 use super::{Parallelogram, TexelBox};
 

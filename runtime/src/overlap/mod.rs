@@ -1,10 +1,8 @@
 //! Footprint against texels: how much of a box footprint's weight falls on an axis-aligned box of texels.
 //!
-//! The weight of a box is the measure of the (a, b) in [-1/2, 1/2]² for which `c + a e1 + b e2` lies in it: the unit
-//! square clipped by at most four half planes. Clipping the *parameters* instead of the parallelogram makes every
-//! limit come out by itself: no division by an area that may vanish, collinear edges give the distribution along
-//! their line, and two zero edges give all or nothing. Rounding of a weight is of the order of 1e-16 times the
-//! ratio of the centre's coordinate to the edges.
+//! - [`Outline`]: exact coverage in texture space, a row of texels at a time; for footprints that are not too thin.
+//! - `clip`: the same in parameter space, one box at a time; slower, right for footprints of any shape.
+//! - [`Probe`]: which boxes and texels need either at all.
 
 mod clip;
 mod outline;

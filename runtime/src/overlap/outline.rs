@@ -11,9 +11,9 @@ use core::ops::Range;
 /// [`Outline`].
 ///
 /// Coordinates are kept relative to the centre's texel, so a side is drawn at most about `2 ε (1 + E)` beside its
-/// place (ε = 2⁻⁵³). Along an outline of length at most `4 E` that moves at most `8 ε E (1 + E)` texels of coverage, so the
-/// weights of all texels together are off by at most `8 ε 2¹⁰ ≈ 1e-12`. Thinner footprints are clipped in parameter
-/// space, where rounding does not grow with thinness.
+/// place (ε = 2⁻⁵³). Along an outline of length at most `4 E` that moves at most `8 ε E (1 + E)` texels of coverage,
+/// so the weights of all texels together are off by at most `8 ε 2¹⁰ ≈ 1e-12`. Thinner footprints are clipped in
+/// parameter space, where rounding does not grow with thinness.
 const LEAST_AREA: f64 = 1.0 / 1024.0;
 
 /// One side of the outline that is not horizontal.
@@ -38,7 +38,7 @@ impl Side {
         let top = self.top[1].max(top);
         let bottom = self.bottom[1].min(bottom);
         let height = bottom - top;
-        if height <= 0.0 || !height.is_finite() {
+        if height <= 0.0 {
             return Cut::NONE;
         }
         let (least, greatest) = if self.top[0] <= self.bottom[0] {

@@ -1,10 +1,13 @@
 //! Weights `W_j` of a few neighbouring bins over a footprint, \[AWKK21\] §5.4.
 //!
-//! Two ways to the same numbers: scan the bin map under the footprint, or look the bins' texels up in the inverse
-//! bin map and its forest. The first is cheaper for few texels, the second does not grow with their number.
+//! Two ways to the same numbers: scan the bin map under the footprint (`bin_map`), or look the bins' texels up in the
+//! inverse bin map and its forest (`lists`, `walk`). The first is cheaper for few texels, the second hardly grows with
+//! their number; `cost` tells which to take.
 
 mod bin_map;
+mod cost;
 mod lists;
+mod walk;
 mod window;
 
 pub(crate) use window::BinWindow;
@@ -14,18 +17,13 @@ use crate::overlap::Parallelogram;
 use crate::scan::MapShape;
 use glintbake_format::model::{Footprint, HalfVector};
 use glintbake_format::view::BinTables;
+use lists::Lists;
 use window::{KeyRuns, WINDOW};
-
-/// Footprint area, in texels, below which scanning the bin map is the cheaper way.
-///
-/// Measured with `cargo bench -p glintbake-tests --bench weights`: on flakes, brushed and noise maps at α = 0.01 the
-/// two ways break even between 1 000 and 6 000 texels.
-const SCAN_BELOW_TEXELS: f64 = 2000.0;
 
 /// Which way to the weights a query takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Lookup {
-    /// The cheaper way by the footprint's area.
+    /// For each bin the cheaper way by the footprint's size and the length of the bin's list.
     #[default]
     Auto,
     /// Scan the bin map.
@@ -50,17 +48,20 @@ pub(crate) fn bin_weights(
         return Ok(());
     };
     let mut sums = Sums([0.0; WINDOW * WINDOW]);
-    let bounds = footprint.bounds();
-    let reach = (bounds.high[0] - bounds.low[0]).max(bounds.high[1] - bounds.low[1]);
-    let scan = match lookup {
-        Lookup::Auto => footprint.area() + 2.0 * reach < SCAN_BELOW_TEXELS,
-        Lookup::Scan => true,
-        Lookup::Lists => false,
+    let longest = match lookup {
+        Lookup::Auto => cost::longest_list(tables, footprint),
+        Lookup::Scan => 0,
+        Lookup::Lists => u32::MAX,
     };
-    if scan {
+    if longest == 0 {
         sums.scan(tables, footprint, &runs)?;
     } else {
-        sums.traverse(tables, footprint, &runs)?;
+        let lists = Lists::new(tables, &runs)?;
+        if lists.longest() > longest {
+            sums.scan(tables, footprint, &runs)?;
+        }
+        let lists = lists.up_to(longest);
+        sums.traverse(tables, footprint, &lists)?;
     }
     for (start, count, place) in runs.iter() {
         let sums = sums.0.iter().skip(place as usize).take(count as usize);
@@ -81,6 +82,12 @@ pub(crate) fn bin_weights(
 struct Sums([f64; WINDOW * WINDOW]);
 
 impl Sums {
+    fn clear(&mut self, place: u32) {
+        if let Some(sum) = self.0.get_mut(place as usize) {
+            *sum = 0.0;
+        }
+    }
+
     #[inline]
     fn add(&mut self, place: u32, weight: f64) {
         if let Some(sum) = self.0.get_mut(place as usize) {
