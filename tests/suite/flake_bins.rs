@@ -113,11 +113,16 @@ fn exact_densities_equal_the_oracles_of_the_true_normals() {
             for texels in [0.3, 6.0, 60.0] {
                 let footprint = stream.footprint(&map, texels);
                 let prepared = Prepared::new(&map, &footprint, alpha, oracle::Setting::Exact);
+                let as_stored = Prepared::new(&stored, &footprint, alpha, oracle::Setting::Exact);
                 for _ in 0..20 {
                     let h = stream.half_vector_near(&map, &footprint, 2.0 * alpha);
                     let expected = prepared.ndf(h);
                     let floor = NDF_FLOOR / (PI * alpha * alpha);
                     let got = ndf.eval(&footprint, h).unwrap();
+                    // The map of stored normals is f32: too coarse to hold 1e-5 against at a roughness of 0.01.
+                    if alpha >= 0.1 {
+                        assert_close(got, as_stored.ndf(h), alpha, kind.name());
+                    }
                     assert!(
                         (got - expected).abs() <= tolerance * expected.max(floor),
                         "{} {alpha} {texels}: {got:e} instead of {expected:e}",
