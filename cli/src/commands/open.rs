@@ -1,6 +1,6 @@
 //! Package files, opened with errors that name the file.
 
-use crate::args::OpenArgs;
+use crate::args::{OpenArgs, QuerySettings, SettingArgs};
 use crate::exit::{CommandError, Failure};
 use glintbake_bake::package::{self, PackageBytes};
 use glintbake_format::check;
@@ -37,4 +37,16 @@ pub(super) fn checked(arguments: &OpenArgs) -> Result<PackageBytes, CommandError
         }
     }
     Ok(bytes)
+}
+
+/// What `settings` choose of the package in `bytes`, the content of the file `arguments` name.
+pub(super) fn choose<'a>(
+    arguments: &OpenArgs,
+    settings: &SettingArgs,
+    bytes: &'a [u8],
+) -> Result<QuerySettings<'a>, CommandError> {
+    let path = &arguments.package;
+    settings
+        .choose(&package(path, bytes)?)
+        .map_err(|error| error.in_file(path.display()))
 }

@@ -32,11 +32,7 @@ fn run_ndf(arguments: &PictureNdfArgs, console: &Console) -> Result<(), CommandE
         return Err(usage("--texels", "a number of texels, 0 or more"));
     }
     let bytes = open::checked(&arguments.open)?;
-    let package = open::package(path, &bytes)?;
-    let chosen = arguments
-        .settings
-        .choose(&package)
-        .map_err(|error| error.in_file(path.display()))?;
+    let chosen = open::choose(&arguments.open, &arguments.settings, &bytes)?;
     let progress = console.progress("drawing");
     let instance = chosen.ndf.instance();
     let footprint = Footprint::square(
@@ -88,11 +84,7 @@ fn run_ball(arguments: &PictureBallArgs, console: &Console) -> Result<(), Comman
         positive("--tiles", tiles)?;
     }
     let bytes = open::checked(&arguments.open)?;
-    let package = open::package(path, &bytes)?;
-    let chosen = arguments
-        .settings
-        .choose(&package)
-        .map_err(|error| error.in_file(path.display()))?;
+    let chosen = open::choose(&arguments.open, &arguments.settings, &bytes)?;
     let progress = console.progress("drawing");
     let options = ball::Options {
         side: arguments.pixels,

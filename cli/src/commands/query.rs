@@ -34,11 +34,7 @@ pub fn run(arguments: &QueryArgs, console: &Console) -> Result<(), CommandError>
         paths::check(Some(path), &[("--output", output)])?;
     }
     let bytes = open::checked(&arguments.open)?;
-    let package = open::package(path, &bytes)?;
-    let chosen = arguments
-        .settings
-        .choose(&package)
-        .map_err(|error| error.in_file(path.display()))?;
+    let chosen = open::choose(&arguments.open, &arguments.settings, &bytes)?;
     let progress = console.progress("reading the queries");
     let table = Table::read(&arguments.queries)?;
     progress.set_message("evaluating");
