@@ -3,10 +3,11 @@
 use crate::image::{InputFile, ReadOptions};
 use crate::normals::{DecodeOptions, Statistics};
 use glintbake_format::model::Method;
+use glintbake_format::records::InverseKind;
 use serde::Serialize;
 
 /// Raised when the same recipe and inputs would give other bytes than the release before.
-const ALGORITHM_VERSION: u32 = 1;
+const ALGORITHM_VERSION: u32 = 2;
 
 /// Everything that decides a package's bytes, besides the inputs' contents.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -33,7 +34,10 @@ pub struct MethodRecipe {
     pub roughness: Vec<f64>,
     /// Bins a side, for a method that does not derive them.
     pub bins: Option<u32>,
-    /// The longest list that is scanned without a tree.
+    /// How the texels of a bin are to be found; `None` for what costs least on the map.
+    #[serde(serialize_with = "inverse_name")]
+    pub inverse: Option<InverseKind>,
+    /// The longest list of a forest that is scanned without a tree.
     pub leaf_size: u32,
     /// Whether exact normals are stored, 4 bytes a texel.
     pub exact_normals: bool,
@@ -49,6 +53,7 @@ impl MethodRecipe {
             method,
             roughness: roughness.to_vec(),
             bins: None,
+            inverse: None,
             leaf_size: DEFAULT_LEAF_SIZE,
             exact_normals: false,
         }
@@ -57,6 +62,14 @@ impl MethodRecipe {
 
 fn method_name<S: serde::Serializer>(method: &Method, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(method.name())
+}
+
+#[expect(clippy::ref_option, reason = "the signature is serde's")]
+fn inverse_name<S: serde::Serializer>(
+    inverse: &Option<InverseKind>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(inverse.map_or("auto", InverseKind::name))
 }
 
 /// Where the normals came from.

@@ -108,28 +108,12 @@ impl MapShape {
         footprint: &Parallelogram,
         visit: &mut impl FnMut(&[TexelRow<'_>]) -> Result<(), QueryError>,
     ) -> Result<(), QueryError> {
-        let map_texels = u64::from(self.width) * u64::from(self.height);
-        let limit = (BUDGET_MAPS * map_texels).max(BUDGET_LEAST);
-        let mut budget = Budget { left: limit, limit };
+        let mut budget = Budget::new(self);
         let outline = Outline::new(footprint);
         let outline = outline.as_ref();
-        if self.wrap == Wrap::Clamp || self.holds(footprint) {
-            return self.scan_tile(footprint, outline, &mut budget, visit);
-        }
-        let (width, height) = (f64::from(self.width), f64::from(self.height));
-        let mut whole_tiles = 0_u64;
-        for tile_row in footprint.rows(height) {
-            let span = footprint.row_span(tile_row as f64, width, height);
-            whole_tiles += span.inside.end.abs_diff(span.inside.start);
-            for tile_column in span.touched.clone() {
-                if span.inside.contains(&tile_column) {
-                    continue;
-                }
-                let tile =
-                    footprint.relative_to(tile_column as f64 * width, tile_row as f64 * height);
-                self.scan_tile(&tile, outline, &mut budget, visit)?;
-            }
-        }
+        let whole_tiles = self.for_each_copy(footprint, &mut |tile| {
+            self.scan_tile(tile, outline, &mut budget, visit)
+        })?;
         if whole_tiles > 0 {
             let weight = whole_tiles as f64 * footprint.texel_weight();
             let mut rows = Rows::new(visit);
@@ -139,6 +123,34 @@ impl MapShape {
             rows.hand_out()?;
         }
         Ok(())
+    }
+
+    /// Calls `visit` with `footprint` as seen from each tile that it covers in part, and returns the number of those that
+    /// lie wholly inside. On a clamped map there is but one tile.
+    pub fn for_each_copy(
+        self,
+        footprint: &Parallelogram,
+        visit: &mut impl FnMut(&Parallelogram) -> Result<(), QueryError>,
+    ) -> Result<u64, QueryError> {
+        if self.wrap == Wrap::Clamp || self.holds(footprint) {
+            visit(footprint)?;
+            return Ok(0);
+        }
+        let (width, height) = (f64::from(self.width), f64::from(self.height));
+        let mut whole_tiles = 0_u64;
+        for tile_row in footprint.rows(height) {
+            let span = footprint.row_span(tile_row as f64, width, height);
+            whole_tiles += span.inside.end.abs_diff(span.inside.start);
+            for tile_column in span.touched.clone() {
+                if !span.inside.contains(&tile_column) {
+                    visit(
+                        &footprint
+                            .relative_to(tile_column as f64 * width, tile_row as f64 * height),
+                    )?;
+                }
+            }
+        }
+        Ok(whole_tiles)
     }
 
     /// Whether `footprint` lies within the first tile.
@@ -283,13 +295,20 @@ fn within(cells: &Range<i64>, size: i64) -> Range<i64> {
 }
 
 /// Texels a scan may still visit.
-struct Budget {
+pub(crate) struct Budget {
     left: u64,
     limit: u64,
 }
 
 impl Budget {
-    fn spend(&mut self, texels: u64) -> Result<(), QueryError> {
+    /// What a scan of a map of `shape` may visit.
+    pub fn new(shape: MapShape) -> Self {
+        let map_texels = u64::from(shape.width) * u64::from(shape.height);
+        let limit = (BUDGET_MAPS * map_texels).max(BUDGET_LEAST);
+        Self { left: limit, limit }
+    }
+
+    pub fn spend(&mut self, texels: u64) -> Result<(), QueryError> {
         let limit = self.limit;
         self.left = self
             .left

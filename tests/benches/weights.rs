@@ -30,7 +30,7 @@ static SCENES: LazyLock<Vec<Scene>> = LazyLock::new(|| {
         .iter()
         .map(|&kind| {
             let map = sample_map(kind, SIDE, SIDE, 7, Wrap::Repeat);
-            let bytes = flake_package(&map, &[ALPHA], 32);
+            let bytes = flake_package(&map, &[ALPHA]);
             Scene { map, bytes }
         })
         .collect()

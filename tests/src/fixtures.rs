@@ -3,6 +3,7 @@
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::{MethodRecipe, Recipe, bake};
 use glintbake_format::model::{Footprint, HalfVector, Method, Wrap};
+use glintbake_format::records::InverseKind;
 use glintbake_samples::{Kind, Options, generate};
 
 /// A sample map of `kind`, `width` × `height` texels.
@@ -17,9 +18,20 @@ pub fn sample_map(kind: Kind, width: u32, height: u32, seed: u64, wrap: Wrap) ->
     NormalMap::new(width, height, wrap, sample.normals)
 }
 
-/// The bytes of `map` baked for `flake-bins` at each roughness, with exact normals.
-pub fn flake_package(map: &NormalMap, roughness: &[f64], leaf_size: u32) -> Vec<u8> {
+/// The bytes of `map` baked for `flake-bins` at each roughness, with block lists and exact normals.
+pub fn flake_package(map: &NormalMap, roughness: &[f64]) -> Vec<u8> {
     let recipe = MethodRecipe {
+        inverse: Some(InverseKind::Tiles),
+        exact_normals: true,
+        ..MethodRecipe::new(Method::FlakeBins, roughness)
+    };
+    package(map, recipe)
+}
+
+/// The bytes of `map` baked for `flake-bins` at each roughness, with a forest of leaf size `leaf_size` and exact normals.
+pub fn forest_package(map: &NormalMap, roughness: &[f64], leaf_size: u32) -> Vec<u8> {
+    let recipe = MethodRecipe {
+        inverse: Some(InverseKind::Forest),
         leaf_size,
         exact_normals: true,
         ..MethodRecipe::new(Method::FlakeBins, roughness)

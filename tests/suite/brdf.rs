@@ -29,7 +29,7 @@ fn direction(stream: &mut Stream) -> [f64; 3] {
 #[test]
 fn light_and_view_may_be_exchanged() {
     let map = sample_map(Kind::Flakes, 64, 64, 1, Wrap::Repeat);
-    let flakes = flake_package(&map, &[0.4], 32);
+    let flakes = flake_package(&map, &[0.4]);
     let mirrors = specular_package(&map, 12);
     for (bytes, least_lit) in [(&flakes, 200), (&mirrors, 20)] {
         let ndf = Package::open(bytes).unwrap().ndf(1).unwrap();
@@ -56,7 +56,7 @@ fn no_more_light_leaves_than_arrives() {
     let map = sample_map(Kind::Flat, 2, 2, 0, Wrap::Repeat);
     let footprint = Footprint::square([0.5; 2], 1.0, 2, 2);
     for alpha in [0.05, 0.3, 0.8] {
-        let bytes = flake_package(&map, &[alpha], 32);
+        let bytes = flake_package(&map, &[alpha]);
         // The flake's own normal, not its bin's centre: a tilted flake is seen from a larger side than the surface.
         let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
         let ndf = ndf.with_setting(Setting::Exact).unwrap();
@@ -88,7 +88,7 @@ fn a_flat_map_is_the_plain_microfacet_brdf() {
     // the pole for even resolutions, so the flake sits at a bin centre half a bin off: take that centre.
     let alpha = 0.3;
     let map = sample_map(Kind::Flat, 2, 2, 0, Wrap::Repeat);
-    let bytes = flake_package(&map, &[alpha], 32);
+    let bytes = flake_package(&map, &[alpha]);
     let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
     let footprint = Footprint::square([0.5; 2], 1.0, 2, 2);
     let b = (5.0_f64 / (3.0 * alpha / 2.0_f64.sqrt()).atan().sin()).ceil();

@@ -37,7 +37,7 @@ fn a_flake_keeps_its_energy_at_every_roughness() {
     let map = sample_map(Kind::Flat, 2, 2, 0, Wrap::Repeat);
     let footprint = Footprint::square([0.5; 2], 1.0, 2, 2);
     for alpha in [1e-4, 1e-3, 0.01, 0.07, 0.2] {
-        let bytes = flake_package(&map, &[alpha], 32);
+        let bytes = flake_package(&map, &[alpha]);
         let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
         let energy_45 = energy(&ndf, &footprint, POLE, (5.0 * alpha).min(1.0), 400);
         assert!((energy_45 - 1.0).abs() < ENERGY, "{alpha}: {energy_45}");
@@ -55,7 +55,7 @@ fn a_flake_keeps_its_energy_at_every_roughness() {
 #[test]
 fn a_surface_of_gentle_slopes_keeps_its_energy() {
     let map = sample_map(Kind::Waves, 64, 64, 2, Wrap::Repeat);
-    let bytes = flake_package(&map, &[0.1], 32);
+    let bytes = flake_package(&map, &[0.1]);
     let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
     let mut stream = Stream::new(3);
     for texels in [0.5, 10.0, 100.0] {

@@ -36,7 +36,7 @@ fn densities_equal_the_oracles_for_both_neighbourhoods() {
     for (seed, kind) in (1..).zip([Kind::Flakes, Kind::Scratches, Kind::Waves, Kind::Noise]) {
         let map = sample_map(kind, 96, 64, seed, Wrap::Repeat);
         for alpha in [0.001, 0.01, 0.1, 1.0] {
-            let bytes = flake_package(&map, &[alpha], 32);
+            let bytes = flake_package(&map, &[alpha]);
             let package = Package::open(&bytes).expect("a fresh package opens");
             let mut stream = Stream::new(seed);
             for texels in [0.3, 4.0, 40.0, 200.0] {
@@ -91,7 +91,7 @@ fn exact_densities_equal_the_oracles_of_the_true_normals() {
         let map = sample_map(kind, 48, 80, seed, Wrap::Repeat);
         // At 0.1 the stored normals' step is far below f32's own; at 0.01 both are 1e-5 of a standard deviation.
         for (alpha, tolerance) in [(0.1, 1e-4), (0.01, 2e-4)] {
-            let bytes = flake_package(&map, &[alpha], 32);
+            let bytes = flake_package(&map, &[alpha]);
             let stored = stored_normals(&map, &bytes, alpha);
             for (texel, true_texel) in stored.texels().iter().zip(map.texels()) {
                 let step = 2.0 / (65536.0 * f64::from(oracle::resolution(alpha)));
@@ -138,7 +138,7 @@ fn exact_densities_equal_the_oracles_of_the_true_normals() {
 fn one_package_answers_for_several_roughnesses() {
     let map = sample_map(Kind::Flakes, 64, 64, 1, Wrap::Repeat);
     let alphas = [0.005, 0.02, 0.2];
-    let bytes = flake_package(&map, &alphas, 32);
+    let bytes = flake_package(&map, &alphas);
     let package = Package::open(&bytes).unwrap();
     let mut stream = Stream::new(4);
     let footprint = stream.footprint(&map, 10.0);
@@ -161,7 +161,7 @@ fn one_package_answers_for_several_roughnesses() {
 #[test]
 fn a_half_vector_outside_the_disk_has_no_density_and_nan_is_an_error() {
     let map = sample_map(Kind::Noise, 16, 16, 1, Wrap::Repeat);
-    let bytes = flake_package(&map, &[0.1], 32);
+    let bytes = flake_package(&map, &[0.1]);
     let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
     let footprint = Stream::new(1).footprint(&map, 8.0);
     let outside = HalfVector { s: 0.8, t: 0.7 };

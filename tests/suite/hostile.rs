@@ -6,13 +6,13 @@ use glintbake_format::{Container, ENTRY_LENGTH, Fault, FourCc, HEADER_LENGTH, He
 use glintbake_runtime::ndf::Lookup;
 use glintbake_runtime::{Ndf, Package, Setting, SurfaceNdf};
 use glintbake_samples::Kind;
-use glintbake_tests::fixtures::{Stream, flake_package, sample_map, specular_package};
+use glintbake_tests::fixtures::{Stream, forest_package, sample_map, specular_package};
 use proptest::prelude::*;
 
 /// A small package with every kind of section: dense and sparse index, forest, exact normals.
 fn small_package() -> Vec<u8> {
     let map = sample_map(Kind::Flakes, 12, 10, 5, Wrap::Repeat);
-    flake_package(&map, &[0.4, 0.002], 2)
+    forest_package(&map, &[0.4, 0.002], 2)
 }
 
 /// Asks a package everything there is to ask; only that it answers at all is of interest here.
@@ -79,8 +79,8 @@ fn a_sound_package_has_no_findings() {
     for bytes in [
         small_package(),
         specular_package(&map, 40),
-        flake_package(&map, &[0.01], 1),
-        flake_package(&map, &[0.9], 1),
+        forest_package(&map, &[0.01], 1),
+        forest_package(&map, &[0.9], 1),
     ] {
         let container = Container::open(&bytes).unwrap();
         check::full(&container, &mut |finding| panic!("{finding}"));

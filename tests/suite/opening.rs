@@ -12,7 +12,7 @@ const PAGE: usize = 4096;
 #[test]
 fn opening_reads_the_first_page_and_nothing_else() {
     let map = sample_map(Kind::Flakes, 128, 128, 1, Wrap::Repeat);
-    let bytes = flake_package(&map, &[0.005, 0.01, 0.02], 32);
+    let bytes = flake_package(&map, &[0.005, 0.01, 0.02]);
     let expected: Vec<_> = Package::open(&bytes).unwrap().instances().collect();
     assert_eq!(expected.len(), 3);
     for filler in [0x00, 0xFF, 0xA5] {
@@ -31,7 +31,7 @@ fn opening_reads_the_first_page_and_nothing_else() {
 #[test]
 fn sections_are_aligned_for_gpus_and_leave_no_hole() {
     let map = sample_map(Kind::Waves, 33, 17, 1, Wrap::Repeat);
-    let bytes = flake_package(&map, &[0.05], 32);
+    let bytes = flake_package(&map, &[0.05]);
     let container = Container::open(&bytes).unwrap();
     let mut end = (HEADER_LENGTH + size_of_val(container.entries())) as u64;
     for entry in container.entries() {
@@ -45,7 +45,7 @@ fn sections_are_aligned_for_gpus_and_leave_no_hole() {
 #[test]
 fn a_future_version_is_told_apart_from_damage() {
     let map = sample_map(Kind::Flat, 4, 4, 1, Wrap::Repeat);
-    let mut bytes = flake_package(&map, &[0.5], 32);
+    let mut bytes = flake_package(&map, &[0.5]);
     bytes[12] = 2;
     let finding = Container::open(&bytes).unwrap_err();
     assert_eq!(finding.fault, Fault::UnsupportedVersion);

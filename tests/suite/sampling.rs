@@ -140,7 +140,7 @@ fn check(ndf: &SurfaceNdf<'_>, footprint: &Footprint, partition: &Partition, wha
 fn flake_bins_samples_follow_the_pdf_for_every_setting() {
     let map = sample_map(Kind::Waves, 48, 32, 3, Wrap::Repeat);
     let footprint = Stream::new(5).footprint(&map, 9.0);
-    let bytes = flake_package(&map, &[0.15, 0.4], 32);
+    let bytes = flake_package(&map, &[0.15, 0.4]);
     let package = Package::open(&bytes).unwrap();
     for number in [1, 2] {
         for setting in [
@@ -173,7 +173,7 @@ fn flake_bins_samples_follow_the_pdf_where_flakes_lean_to_the_rim() {
             .collect(),
     );
     let footprint = Stream::new(6).footprint(&tilted, 12.0);
-    let bytes = flake_package(&tilted, &[0.3], 32);
+    let bytes = flake_package(&tilted, &[0.3]);
     let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
     check(&ndf, &footprint, &RINGS, "rim");
 }
@@ -191,7 +191,7 @@ fn specular_bins_samples_follow_the_pdf() {
 fn the_test_itself_rejects_the_paper_neighbourhood_if_its_loss_is_ignored() {
     // 21 bins lose 1 %: a sampler that never returned "no vector" would be caught by this very test.
     let map = sample_map(Kind::Flat, 4, 4, 0, Wrap::Repeat);
-    let bytes = flake_package(&map, &[0.15], 32);
+    let bytes = flake_package(&map, &[0.15]);
     let ndf = Package::open(&bytes)
         .unwrap()
         .ndf(1)

@@ -121,7 +121,7 @@ fn every_stiff_and_extreme_case_matches_the_oracle() {
     for alpha in [1e-4, 1e-3, 0.03, 0.3, 1.0] {
         for (seed, (name, map)) in (1..).zip(maps()) {
             let mut stream = Stream::new(seed);
-            let bytes = flake_package(&map, &[alpha], 4);
+            let bytes = flake_package(&map, &[alpha]);
             let package = Package::open(&bytes).unwrap();
             let ndf = package.ndf(1).unwrap();
             for footprint in footprints(&map, &mut stream) {
@@ -148,7 +148,7 @@ fn samples_of_extreme_cases_are_directions_with_density() {
     for alpha in [1e-4, 0.03, 1.0] {
         for (seed, (name, map)) in (1..).zip(maps()) {
             let mut stream = Stream::new(seed);
-            let bytes = flake_package(&map, &[alpha], 4);
+            let bytes = flake_package(&map, &[alpha]);
             let package = Package::open(&bytes).unwrap();
             let ndf = package.ndf(1).unwrap();
             let mut drawn = 0;

@@ -1,15 +1,16 @@
 //! The bin map: normals to bins to keys, \[AWKK21\] eq. 17, with the index kind chosen by size.
 
 use crate::normals::NormalMap;
-use glintbake_format::model::{BinGrid, HalfVector};
+use glintbake_format::model::{BLOCK_SIDE, BLOCK_TEXELS, BinGrid, BlockLayout, HalfVector};
 use glintbake_format::records::IndexKind;
+use glintbake_format::view::KeyLayout;
 use rayon::prelude::*;
 use zerocopy::little_endian::{U16, U32};
 
 /// Texels a unit of parallel work covers; fixed, so that the split never depends on the machine.
 const CHUNK: usize = 1 << 16;
 
-/// Keys of all texels, in the width the package stores.
+/// Keys of all texels, in the width the package stores and the order of the bin map's layout.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Keys {
     /// 2 bytes each, for at most 65 536 different keys.
@@ -19,24 +20,49 @@ pub enum Keys {
 }
 
 impl Keys {
-    /// The key of texel number `texel`, row-major.
-    #[inline]
-    pub fn get(&self, texel: usize) -> u32 {
-        match self {
-            Self::Narrow(keys) => u32::from(keys[texel].get()),
-            Self::Wide(keys) => keys[texel].get(),
-        }
-    }
-
-    fn from_bins(bins: Vec<u32>, key_count: u32, key_of_bin: impl Fn(u32) -> u32 + Sync) -> Self {
+    fn new(
+        bins: &[u32],
+        layout: KeyLayout,
+        width: usize,
+        key_count: u32,
+        key_of_bin: impl Fn(u32) -> u32 + Sync,
+    ) -> Self {
         if key_count <= 1 << 16 {
-            let narrow = |&bin: &u32| U16::new(key_of_bin(bin) as u16);
-            Self::Narrow(bins.par_iter().with_min_len(CHUNK).map(narrow).collect())
+            let narrow = |bin| U16::new(key_of_bin(bin) as u16);
+            Self::Narrow(lay_out(bins, layout, width, narrow))
         } else {
-            let wide = |&bin: &u32| U32::new(key_of_bin(bin));
-            Self::Wide(bins.par_iter().with_min_len(CHUNK).map(wide).collect())
+            let wide = |bin| U32::new(key_of_bin(bin));
+            Self::Wide(lay_out(bins, layout, width, wide))
         }
     }
+}
+
+/// `key_of_bin` of each of `bins`, which come row by row, in the order of `layout`.
+fn lay_out<K: Copy + Default + Send>(
+    bins: &[u32],
+    layout: KeyLayout,
+    width: usize,
+    key_of_bin: impl Fn(u32) -> K + Sync,
+) -> Vec<K> {
+    let KeyLayout::Blocks(layout) = layout else {
+        let keys = bins.par_iter().with_min_len(CHUNK);
+        return keys.map(|&bin| key_of_bin(bin)).collect();
+    };
+    let side = BLOCK_SIDE as usize;
+    let mut keys = vec![K::default(); layout.key_count() as usize];
+    keys.par_chunks_mut(layout.columns as usize * BLOCK_TEXELS)
+        .zip(bins.par_chunks(width * side))
+        .for_each(|(blocks, rows)| {
+            for (row, bins) in rows.chunks(width).enumerate() {
+                let lines = blocks[row * side..].chunks_mut(BLOCK_TEXELS);
+                for (line, bins) in lines.zip(bins.chunks(side)) {
+                    for (key, &bin) in line.iter_mut().zip(bins) {
+                        *key = key_of_bin(bin);
+                    }
+                }
+            }
+        });
+    keys
 }
 
 /// A bin map with what its keys mean.
@@ -48,16 +74,40 @@ pub struct BinMap {
     pub key_count: u32,
     /// The bin of each key of a sparse index, rising; empty for a dense one.
     pub occupied: Vec<U32>,
-    /// One key per texel, row-major.
+    /// One key per texel, and zeros where blocks reach beyond the map.
     pub keys: Keys,
+    /// Where a texel's key is among them: in blocks, but for thin maps.
+    pub layout: KeyLayout,
+}
+
+impl BinMap {
+    /// The key of texel (`column`, `row`).
+    #[inline]
+    pub fn key(&self, column: u32, row: u32) -> u32 {
+        let place = match self.layout {
+            KeyLayout::Rows { width, .. } => row as usize * width as usize + column as usize,
+            KeyLayout::Blocks(layout) => layout.texel(column, row),
+        };
+        match &self.keys {
+            Keys::Narrow(keys) => u32::from(keys[place].get()),
+            Keys::Wide(keys) => keys[place].get(),
+        }
+    }
 }
 
 /// The bin map of `map` under `grid`, with a sparse index where that makes the package smaller by more than 1 %.
 ///
-/// A dense index costs 4 bytes a bin of the grid; a sparse one 8 bytes an occupied bin, and a binary search for each
-/// row of bins a query looks at. Either needs 2 bytes a texel up to 65 536 keys, else 4. Peak memory 14 bytes a texel with the map itself; O(texels), with a sort where the
-/// grid has more bins than the map has texels twice over.
+/// A dense index costs 8 bytes a bin of the grid (with its block list's start); a sparse one 12 bytes an occupied bin,
+/// and a binary search for each row of bins a query looks at. Either needs 2 bytes a texel up to 65 536 keys, else 4.
+/// Peak memory 14 bytes a texel with the map itself; O(texels), with a sort where the grid has more bins than the map
+/// has texels twice over.
 pub fn build(map: &NormalMap, grid: BinGrid) -> BinMap {
+    let (width, height) = (map.width(), map.height());
+    let layout = if BlockLayout::pays(width, height) {
+        KeyLayout::Blocks(BlockLayout::new(width, height))
+    } else {
+        KeyLayout::Rows { width, height }
+    };
     let bins: Vec<u32> = map
         .texels()
         .par_iter()
@@ -78,29 +128,33 @@ pub fn build(map: &NormalMap, grid: BinGrid) -> BinMap {
     };
     let key_bytes = |count: u64| if count <= 1 << 16 { 2 } else { 4 };
     let dense_bins = u64::from(grid.count());
-    let dense_cost = 4 * dense_bins + key_bytes(dense_bins) * texels;
+    let dense_cost = 8 * dense_bins + key_bytes(dense_bins) * texels;
     let sparse_bins = occupied.len() as u64;
-    let sparse_cost = 8 * sparse_bins + key_bytes(sparse_bins) * texels;
-    // What the inverse bin map adds to either.
-    let positions = 4 * texels;
-    if (dense_cost + positions) * 99 <= (sparse_cost + positions) * 100 {
-        BinMap {
-            index: IndexKind::Dense,
-            key_count: grid.count(),
-            occupied: Vec::new(),
-            keys: Keys::from_bins(bins, grid.count(), |bin| bin),
-        }
+    let sparse_cost = 12 * sparse_bins + key_bytes(sparse_bins) * texels;
+    let (index, key_count) = if dense_cost * 99 <= sparse_cost * 100 {
+        (IndexKind::Dense, grid.count())
     } else {
-        let key_count = occupied.len() as u32;
-        let keys = Keys::from_bins(bins, key_count, |bin| {
-            occupied.partition_point(|&other| other < bin) as u32
-        });
-        BinMap {
-            index: IndexKind::Sparse,
-            key_count,
-            occupied: occupied.into_iter().map(U32::new).collect(),
-            keys,
+        (IndexKind::Sparse, occupied.len() as u32)
+    };
+    let width = width as usize;
+    let (keys, occupied) = match index {
+        IndexKind::Dense => {
+            let keys = Keys::new(&bins, layout, width, key_count, |bin| bin);
+            (keys, Vec::new())
         }
+        IndexKind::Sparse => {
+            let key_of_bin =
+                |bin: u32| occupied.partition_point(|&other| other < bin) as u32;
+            let keys = Keys::new(&bins, layout, width, key_count, key_of_bin);
+            (keys, occupied)
+        }
+    };
+    BinMap {
+        index,
+        key_count,
+        occupied: occupied.into_iter().map(U32::new).collect(),
+        keys,
+        layout,
     }
 }
 

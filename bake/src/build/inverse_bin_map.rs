@@ -28,8 +28,10 @@ impl InverseBinMap {
 pub fn build(bin_map: &BinMap, width: u32, height: u32) -> InverseBinMap {
     let texels = width as usize * height as usize;
     let mut next = vec![0_u32; bin_map.key_count as usize + 1];
-    for texel in 0..texels {
-        next[bin_map.keys.get(texel) as usize] += 1;
+    for row in 0..height {
+        for column in 0..width {
+            next[bin_map.key(column, row) as usize] += 1;
+        }
     }
     let mut total = 0;
     for count in &mut next {
@@ -44,9 +46,7 @@ pub fn build(bin_map: &BinMap, width: u32, height: u32) -> InverseBinMap {
     };
     let mut positions = vec![nowhere; texels];
     morton::for_each_texel(width, height, |column, row| {
-        let key = bin_map
-            .keys
-            .get(row as usize * width as usize + column as usize);
+        let key = bin_map.key(column, row);
         let place = &mut next[key as usize];
         positions[*place as usize] = TexelPosition {
             column: U16::new(column as u16),

@@ -1,6 +1,7 @@
 //! Structures, one per file; none knows which method asks for it.
 
 pub mod bin_map;
+pub mod block_lists;
 pub mod exact_normals;
 pub mod forest;
 pub mod inverse_bin_map;

@@ -1,14 +1,16 @@
-//! What the methods that bin normals have in common: bin map, inverse bin map, index and forest.
+//! What the methods that bin normals have in common: the bin map, and what finds the texels of a bin.
 
 use super::Bake;
-use crate::build::{bin_map, exact_normals, forest, inverse_bin_map};
+use crate::build::{bin_map, block_lists, exact_normals, forest, inverse_bin_map};
 use crate::error::BakeError;
 use crate::normals::NormalMap;
-use crate::recipe::{LeftOut, MethodRecipe};
+use crate::recipe::MethodRecipe;
 use glintbake_format::model::{BinGrid, Filter};
 use glintbake_format::records::{
-    BIN_MAP, EXACT_NORMALS, FOREST, INDEX, INVERSE_BIN_MAP, Instance, OCCUPIED_BINS,
+    BIN_MAP, BLOCKED_BIN_MAP, EXACT_NORMALS, FOREST, INDEX, INVERSE_BIN_MAP, Instance, InverseKind,
+    LIST_BLOCKS, LIST_COUNTS, LIST_KEYS, LIST_TILES, LISTS, OCCUPIED_BINS, PAGES,
 };
+use glintbake_format::view::KeyLayout;
 
 /// The longest side of a map: positions are stored in 16 bits.
 const MAX_SIDE: u32 = 65_535;
@@ -26,8 +28,7 @@ pub(super) fn add_instance(
         return Err(BakeError::MapTooLarge { width, height });
     }
     let bin_map = bin_map::build(map, grid);
-    let inverse = inverse_bin_map::build(&bin_map, width, height);
-    let forest = forest::build(&inverse, recipe.leaf_size);
+    let inverse = recipe.inverse.unwrap_or(InverseKind::Tiles);
     let instance = Instance {
         layer: 0,
         number: bake.next_number(),
@@ -37,38 +38,19 @@ pub(super) fn add_instance(
         height,
         roughness,
         grid,
-        leaf_size: recipe.leaf_size,
+        inverse,
+        leaf_size: if inverse == InverseKind::Forest {
+            recipe.leaf_size
+        } else {
+            0
+        },
         filter: Filter::Box,
         index: bin_map.index,
         key_count: bin_map.key_count,
     };
-    let mut left_out = |section, reason| {
-        bake.left_out.push(LeftOut {
-            instance: instance.number,
-            section,
-            reason,
-        });
-    };
-    match bin_map.keys {
-        bin_map::Keys::Narrow(keys) => bake.plan.add(instance.section(BIN_MAP), keys),
-        bin_map::Keys::Wide(keys) => bake.plan.add(instance.section(BIN_MAP), keys),
-    }
-    if bin_map.occupied.is_empty() {
-        left_out(
-            "BINS",
-            "a sparse index would not save 1 %; keys are bin numbers",
-        );
-    } else {
-        bake.plan
-            .add(instance.section(OCCUPIED_BINS), bin_map.occupied);
-    }
-    bake.plan.add(instance.section(INDEX), inverse.offsets);
-    bake.plan
-        .add(instance.section(INVERSE_BIN_MAP), inverse.positions);
-    match forest {
-        Some(nodes) => bake.plan.add(instance.section(FOREST), nodes),
-        None => left_out("FRST", "no bin holds more texels than a leaf"),
-    }
+    add_inverse(&bin_map, &instance, bake);
+    add_bin_map(bin_map, &instance, bake);
+    let mut left_out = |section, reason| bake.leave_out(&instance, section, reason);
     // Exact normals are places within bins: the finest bins place them best, and once is enough.
     let finest = recipe.roughness.iter().copied().reduce(f64::min);
     if recipe.exact_normals && roughness == finest {
@@ -81,6 +63,61 @@ pub(super) fn add_instance(
     }
     bake.instances.push(instance);
     Ok(())
+}
+
+/// Adds what finds the texels of a bin.
+fn add_inverse(bin_map: &bin_map::BinMap, instance: &Instance, bake: &mut Bake) {
+    let (width, height) = (instance.width, instance.height);
+    match instance.inverse {
+        InverseKind::Forest => {
+            let inverse = inverse_bin_map::build(bin_map, width, height);
+            match forest::build(&inverse, instance.leaf_size) {
+                Some(nodes) => bake.plan.add(instance.section(FOREST), nodes),
+                None => bake.leave_out(instance, "FRST", "no bin holds more texels than a leaf"),
+            }
+            bake.plan.add(instance.section(INDEX), inverse.offsets);
+            bake.plan
+                .add(instance.section(INVERSE_BIN_MAP), inverse.positions);
+        }
+        InverseKind::Tiles => {
+            let lists = block_lists::build(bin_map, width, height);
+            bake.plan.add(instance.section(PAGES), lists.pages);
+            bake.plan.add(instance.section(LISTS), lists.starts);
+            bake.plan.add(instance.section(LIST_BLOCKS), lists.blocks);
+            bake.plan.add(instance.section(LIST_COUNTS), lists.counts);
+            if lists.keys.is_empty() {
+                let reason = "a list for every key of every page is smaller than naming keys";
+                bake.leave_out(instance, "LKEY", reason);
+            } else {
+                bake.plan.add(instance.section(LIST_KEYS), lists.keys);
+            }
+            if lists.tiles.is_empty() {
+                bake.leave_out(instance, "LTIL", "no list is long and dense enough");
+            } else {
+                bake.plan.add(instance.section(LIST_TILES), lists.tiles);
+            }
+        }
+        InverseKind::None => {}
+    }
+}
+
+/// Adds the bin map and what its keys mean.
+fn add_bin_map(bin_map: bin_map::BinMap, instance: &Instance, bake: &mut Bake) {
+    let id = instance.section(match bin_map.layout {
+        KeyLayout::Rows { .. } => BIN_MAP,
+        KeyLayout::Blocks(_) => BLOCKED_BIN_MAP,
+    });
+    match bin_map.keys {
+        bin_map::Keys::Narrow(keys) => bake.plan.add(id, keys),
+        bin_map::Keys::Wide(keys) => bake.plan.add(id, keys),
+    }
+    if bin_map.occupied.is_empty() {
+        let reason = "a sparse index would not save 1 %; keys are bin numbers";
+        bake.leave_out(instance, "BINS", reason);
+    } else {
+        bake.plan
+            .add(instance.section(OCCUPIED_BINS), bin_map.occupied);
+    }
 }
 
 /// Refuses a leaf size of zero.

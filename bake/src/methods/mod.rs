@@ -60,6 +60,15 @@ impl Bake {
     pub fn next_number(&self) -> u16 {
         self.instances.len() as u16 + 1
     }
+
+    /// Notes that `instance` has no section called `section`, and why.
+    pub fn leave_out(&mut self, instance: &Instance, section: &'static str, reason: &'static str) {
+        self.left_out.push(LeftOut {
+            instance: instance.number,
+            section,
+            reason,
+        });
+    }
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use clap::Args;
 use glintbake_bake::normals::{Channels, DecodeOptions, GreenAxis, Input, Range, Zero};
 use glintbake_bake::{BakeError, DEFAULT_LEAF_SIZE, MethodRecipe, Recipe};
 use glintbake_format::model::{Method, Wrap, beckmann_from_intrinsic};
+use glintbake_format::records::InverseKind;
 use std::path::PathBuf;
 
 /// `bake`
@@ -44,9 +45,13 @@ pub struct BakeArgs {
     #[arg(long, value_name = "N")]
     pub bins: Option<u32>,
 
-    /// Longest list of texels without a tree
-    #[arg(long, default_value_t = DEFAULT_LEAF_SIZE, value_name = "N")]
-    pub leaf_size: u32,
+    /// How the texels of a bin are found: tiles, forest, none (the bin map is scanned), or auto for what costs least
+    #[arg(long, default_value = "auto", value_name = "KIND", value_parser = inverse)]
+    pub index: IndexChoice,
+
+    /// Longest list of texels without a tree, for --index forest [default: 32]
+    #[arg(long, value_name = "N")]
+    pub leaf_size: Option<u32>,
 
     /// Store true normals as well (4 bytes a texel), for `query --exact`
     #[arg(long)]
@@ -142,6 +147,21 @@ fn wrap(name: &str) -> Result<Wrap, String> {
         .ok_or_else(|| "it must be one of repeat, clamp".to_owned())
 }
 
+/// How the texels of a bin are to be found; `None` to choose by cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IndexChoice(pub Option<InverseKind>);
+
+fn inverse(name: &str) -> Result<IndexChoice, String> {
+    if name == "auto" {
+        return Ok(IndexChoice(None));
+    }
+    let kinds = InverseKind::ALL;
+    match kinds.iter().find(|kind| kind.name() == name) {
+        Some(&kind) => Ok(IndexChoice(Some(kind))),
+        None => Err("it must be one of auto, forest, tiles, none".to_owned()),
+    }
+}
+
 /// Roughnesses nearer than this part of themselves are one to a query: see `Package::find`.
 const SAME_ROUGHNESS: f64 = 1e-9;
 
@@ -165,6 +185,13 @@ impl BakeArgs {
                     method.name()
                 )));
             }
+        }
+        if let Some(leaf_size) = self.leaf_size
+            && self.index.0 != Some(InverseKind::Forest)
+        {
+            return Err(usage(format!(
+                "--leaf-size {leaf_size}: only a forest has leaves; add --index forest"
+            )));
         }
         let recipe = self.unchecked_recipe();
         if let Err(error) = glintbake_bake::check(&recipe) {
@@ -223,7 +250,8 @@ impl BakeArgs {
                         Vec::new()
                     },
                     bins: self.bins.filter(|_| !rough || !several),
-                    leaf_size: self.leaf_size,
+                    inverse: self.index.0,
+                    leaf_size: self.leaf_size.unwrap_or(DEFAULT_LEAF_SIZE),
                     exact_normals: self.exact_normals && (rough || !several),
                 }
             })

@@ -1,7 +1,7 @@
 //! Words for what a package holds, shared by the commands that name it.
 
 use crate::exit::{CommandError, Failure};
-use glintbake_format::records::METADATA;
+use glintbake_format::records::{InverseKind, METADATA};
 use glintbake_format::{Fault, Finding, SectionId};
 use glintbake_runtime::{Instance, Package};
 use serde_json::{Value, json};
@@ -34,13 +34,17 @@ pub(super) fn instance(instance: &Instance) -> String {
         .roughness
         .map(|alpha| format!(", roughness {alpha}"))
         .unwrap_or_default();
+    let inverse = match instance.inverse {
+        InverseKind::Forest => format!("forest of leaf size {}", instance.leaf_size),
+        InverseKind::Tiles => "tile lists".to_owned(),
+        InverseKind::None => "bin map alone".to_owned(),
+    };
     format!(
-        "instance {}: {} {} x {}{roughness}, {b} x {b} bins, leaf size {}, {} index, {}",
+        "instance {}: {} {} x {}{roughness}, {b} x {b} bins, {inverse}, {} index, {}",
         instance.number,
         instance.method.name(),
         instance.width,
         instance.height,
-        instance.leaf_size,
         instance.index.name(),
         instance.wrap.name(),
         b = instance.grid.resolution(),
@@ -56,6 +60,7 @@ pub(super) fn instance_document(instance: &Instance) -> Value {
         "height": instance.height,
         "index": instance.index.name(),
         "kernel": instance.method.kernel().name(),
+        "inverse": instance.inverse.name(),
         "keys": instance.key_count,
         "layer": instance.layer,
         "leaf-size": instance.leaf_size,

@@ -1,16 +1,11 @@
 //! Structural checks of the sections behind `flake-bins` and `specular-bins`.
 
-use super::Limited;
+use super::{Limited, block_lists, inverse_bin_map};
 use crate::Container;
 use crate::finding::{Fault, Finding};
-use crate::model::{ForestShape, morton_index};
-use crate::records::{
-    BIN_MAP, BoxRecord, FOREST, ForestNode, INDEX, INVERSE_BIN_MAP, Instance, OCCUPIED_BINS,
-    TexelPosition,
-};
-use crate::view::{BinTables, ExactNormals};
-use core::ops::Range;
-use zerocopy::little_endian::U16;
+use crate::model::{BLOCK_SIDE, BLOCK_TEXELS};
+use crate::records::{Instance, OCCUPIED_BINS};
+use crate::view::{BinTables, ExactNormals, Inverse, KeyLayout};
 
 pub(super) fn check(
     container: &Container<'_>,
@@ -32,33 +27,47 @@ fn try_check(
     ExactNormals::open(container, instance)?;
     check_keys(&tables, report);
     check_occupied(&tables, report);
-    check_offsets(&tables)?;
-    check_lists(&tables, report);
-    match tables.forest {
-        Some(nodes) => check_forest(&tables, nodes, report),
-        None if lists(&tables).any(|(_, list)| list.len() > instance.leaf_size as usize) => {
-            return Err(Finding::new(Fault::SectionMissing).within(instance.section(FOREST)));
-        }
-        None => {}
+    match &tables.inverse {
+        Inverse::Forest(inverse) => inverse_bin_map::check(&tables, inverse, report),
+        Inverse::Tiles(lists) => block_lists::check(&tables, lists, report),
+        Inverse::None => Ok(()),
     }
-    Ok(())
 }
 
 fn check_keys(tables: &BinTables<'_>, report: &mut dyn FnMut(Finding)) {
     let mut limited = Limited::new(report);
     let key_count = tables.instance.key_count;
-    for texel in 0..tables.positions.len() {
-        if let Some(key) = tables.bin_map.key(texel)
-            && key >= key_count
-        {
-            limited.report(
-                Finding::new(Fault::KeyRange)
-                    .within(tables.instance.section(BIN_MAP))
-                    .at(texel as u64)
-                    .values(u64::from(key_count), u64::from(key)),
-            );
+    for place in 0..tables.bin_map.len() {
+        let Some(key) = tables.bin_map.key_at(place) else {
+            continue;
+        };
+        let finding = |fault| {
+            Finding::new(fault)
+                .within(tables.bin_map.id)
+                .at(place as u64)
+        };
+        if is_on_map(tables, place) {
+            if key >= key_count {
+                limited.report(
+                    finding(Fault::KeyRange).values(u64::from(key_count), u64::from(key)),
+                );
+            }
+        } else if key != 0 {
+            limited.report(finding(Fault::KeyUnused).values(0, u64::from(key)));
         }
     }
+}
+
+/// Whether place `place` of the bin map is a texel's.
+fn is_on_map(tables: &BinTables<'_>, place: usize) -> bool {
+    let KeyLayout::Blocks(layout) = tables.bin_map.layout else {
+        return true;
+    };
+    let (block, texel) = (place / BLOCK_TEXELS, (place % BLOCK_TEXELS) as u32);
+    let columns = layout.columns as usize;
+    let column = (block % columns) as u32 * BLOCK_SIDE + texel % BLOCK_SIDE;
+    let row = (block / columns) as u32 * BLOCK_SIDE + texel / BLOCK_SIDE;
+    column < tables.instance.width && row < tables.instance.height
 }
 
 fn check_occupied(tables: &BinTables<'_>, report: &mut dyn FnMut(Finding)) {
@@ -75,147 +84,5 @@ fn check_occupied(tables: &BinTables<'_>, report: &mut dyn FnMut(Finding)) {
             );
         }
         least = bin.saturating_add(1);
-    }
-}
-
-fn check_offsets(tables: &BinTables<'_>) -> Result<(), Finding> {
-    let finding = Finding::new(Fault::IndexOrder).within(tables.instance.section(INDEX));
-    let texels = u64::from(tables.instance.texel_count());
-    let mut end = 0;
-    for key in 0..tables.instance.key_count {
-        let list = tables.index.list(key)?;
-        if u64::from(list.start) != end {
-            return Err(finding
-                .at(u64::from(key))
-                .values(end, u64::from(list.start)));
-        }
-        end = u64::from(list.end);
-    }
-    if end != texels {
-        return Err(finding.values(texels, end));
-    }
-    Ok(())
-}
-
-/// Key and places of every list.
-fn lists(tables: &BinTables<'_>) -> impl Iterator<Item = (u32, Range<usize>)> {
-    let index = tables.index;
-    (0..tables.instance.key_count).filter_map(move |key| {
-        let list = index.list(key).ok()?;
-        Some((key, list.start as usize..list.end as usize))
-    })
-}
-
-/// Each position lies on the map, is listed under its own key, and comes once: strict order within a list and one
-/// list per key make the inverse bin map a permutation of the texels.
-fn check_lists(tables: &BinTables<'_>, report: &mut dyn FnMut(Finding)) {
-    let mut limited = Limited::new(report);
-    let instance = &tables.instance;
-    let id = instance.section(INVERSE_BIN_MAP);
-    for (key, list) in lists(tables) {
-        let mut least = 0;
-        let first = list.start as u64;
-        let positions = tables.positions.get(list).unwrap_or_default();
-        for (place, position) in (first..).zip(positions) {
-            let finding = |fault| Finding::new(fault).within(id).at(place);
-            let (column, row) = (
-                u32::from(position.column.get()),
-                u32::from(position.row.get()),
-            );
-            if column >= instance.width || row >= instance.height {
-                limited.report(finding(Fault::PositionRange));
-                continue;
-            }
-            if tables.bin_map.key(tables.texel(column, row)) != Some(key) {
-                limited.report(finding(Fault::PositionKey));
-            }
-            let order = morton_index(column, row).saturating_add(1);
-            if order <= least {
-                limited.report(finding(Fault::PositionOrder));
-            }
-            least = order;
-        }
-    }
-}
-
-fn check_forest(tables: &BinTables<'_>, nodes: &[ForestNode], report: &mut dyn FnMut(Finding)) {
-    let id = tables.instance.section(FOREST);
-    let mut limited = Limited::new(report);
-    let mut next_unused = 0;
-    for (_, list) in lists(tables) {
-        let (start, length) = (list.start as u32, list.len() as u32);
-        let shape = ForestShape::new(start, length, tables.instance.leaf_size);
-        if shape.depth() == 0 {
-            continue;
-        }
-        check_unused(
-            nodes,
-            next_unused..shape.slots().start,
-            tables,
-            &mut limited,
-        );
-        next_unused = shape.slots().end;
-        for level in 0..shape.depth() {
-            for node in 0..1_u32.wrapping_shl(level) {
-                let slot = shape.slot(level, node);
-                let stored = nodes.get(slot as usize).copied();
-                if stored != Some(true_node(tables, &list, shape, level, node)) {
-                    limited.report(Finding::new(Fault::ForestBox).within(id).at(slot));
-                }
-            }
-        }
-    }
-    check_unused(nodes, next_unused..nodes.len() as u64, tables, &mut limited);
-}
-
-fn check_unused(
-    nodes: &[ForestNode],
-    slots: Range<u64>,
-    tables: &BinTables<'_>,
-    limited: &mut Limited<'_>,
-) {
-    let unused = nodes
-        .get(slots.start as usize..slots.end as usize)
-        .unwrap_or_default();
-    for (slot, node) in (slots.start..).zip(unused) {
-        if *node != ForestNode::default() {
-            limited.report(
-                Finding::new(Fault::ForestUnused)
-                    .within(tables.instance.section(FOREST))
-                    .at(slot),
-            );
-        }
-    }
-}
-
-/// What the forest should store for node `node` at `level` of the tree over `list`.
-fn true_node(
-    tables: &BinTables<'_>,
-    list: &Range<usize>,
-    shape: ForestShape,
-    level: u32,
-    node: u32,
-) -> ForestNode {
-    let place = |child: u32| {
-        list.start
-            .saturating_add(shape.first_texel(level.saturating_add(1), child) as usize)
-    };
-    let first = node.wrapping_mul(2);
-    let [start, middle, end] = [0, 1, 2].map(|step| place(first.wrapping_add(step)));
-    ForestNode {
-        children: [start..middle, middle..end]
-            .map(|places| bounding_box(tables.positions.get(places).unwrap_or_default())),
-    }
-}
-
-fn bounding_box(texels: &[TexelPosition]) -> BoxRecord {
-    let columns = || texels.iter().map(|texel| texel.column.get());
-    let rows = || texels.iter().map(|texel| texel.row.get());
-    let bound = |value: Option<u16>| U16::new(value.unwrap_or_default());
-    BoxRecord {
-        first_column: bound(columns().min()),
-        first_row: bound(rows().min()),
-        last_column: bound(columns().max()),
-        last_row: bound(rows().max()),
     }
 }

@@ -5,6 +5,8 @@
 //! are *right* need this; results that are *safe* (no panic, bounded time) never do.
 
 mod bins;
+mod block_lists;
+mod inverse_bin_map;
 
 use crate::Container;
 use crate::finding::{Fault, Finding};

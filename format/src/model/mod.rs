@@ -3,12 +3,16 @@
 //! No algorithm over texels lives here, only the definitions a reader of a package must agree on.
 
 mod bins;
+mod blocks;
 mod footprint;
 mod forest;
 mod method;
 mod normal;
 
 pub use bins::{BinGrid, Binning, Neighbourhood, disk_grid_resolution};
+pub use blocks::{
+    BLOCK_SIDE, BLOCK_TEXELS, BlockLayout, PAGE_SIDE, PageLayout, TILE_SIDE, block_name, block_place,
+};
 pub use footprint::{Filter, Footprint, MAX_EDGE_TILES, Wrap};
 pub use forest::{ForestShape, morton_index};
 pub use method::{Kernel, METHODS, Method, beckmann_from_intrinsic, intrinsic_from_beckmann};

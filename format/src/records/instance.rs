@@ -27,6 +27,42 @@ impl IndexKind {
     }
 }
 
+/// How the texels of a bin are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u16)]
+pub enum InverseKind {
+    /// An inverse bin map of texel positions, and a forest over its long lists, \[AWKK21\] §5.4.
+    Forest = 0,
+    /// For each key a list of the blocks that hold it, and how many texels each.
+    Tiles = 1,
+    /// Not at all: the bin map under the footprint is scanned.
+    None = 2,
+}
+
+impl InverseKind {
+    /// Every kind, in order of its code.
+    pub const ALL: &'static [Self] = &[Self::Forest, Self::Tiles, Self::None];
+
+    /// The kind stored as `code`, if there is one.
+    pub const fn from_code(code: u16) -> Option<Self> {
+        match code {
+            0 => Some(Self::Forest),
+            1 => Some(Self::Tiles),
+            2 => Some(Self::None),
+            _ => None,
+        }
+    }
+
+    /// The word used on the command line and in metadata.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Forest => "forest",
+            Self::Tiles => "tiles",
+            Self::None => "none",
+        }
+    }
+}
+
 /// An instance record as it lies in the file. 64 bytes.
 #[derive(
     Clone, Copy, Debug, PartialEq, FromBytes, IntoBytes, Immutable, KnownLayout, Unaligned,
@@ -49,7 +85,7 @@ pub struct InstanceRecord {
     pub roughness: F64,
     /// 24: bins per side.
     pub bin_resolution: U32,
-    /// 28: the longest list that is scanned without a tree.
+    /// 28: the longest list that is scanned without a tree; 0 without a forest.
     pub leaf_size: U32,
     /// 32: binning.
     pub binning: U16,
@@ -57,8 +93,8 @@ pub struct InstanceRecord {
     pub filter: U16,
     /// 36: index kind.
     pub index: U16,
-    /// 38: zero.
-    pub reserved_16: U16,
+    /// 38: inverse kind.
+    pub inverse: U16,
     /// 40: number of keys the index has.
     pub key_count: U32,
     /// 44: zero.
@@ -89,7 +125,9 @@ pub struct Instance {
     pub roughness: Option<f64>,
     /// The bins.
     pub grid: BinGrid,
-    /// The longest list that is scanned without a tree, at least 1.
+    /// How the texels of a bin are found.
+    pub inverse: InverseKind,
+    /// The longest list that is scanned without a tree, at least 1; 0 without a forest.
     pub leaf_size: u32,
     /// Filter of a query that names none.
     pub filter: Filter,
@@ -125,7 +163,7 @@ impl Instance {
             binning: U16::new(self.grid.binning() as u16),
             filter: U16::new(self.filter as u16),
             index: U16::new(self.index as u16),
-            reserved_16: U16::ZERO,
+            inverse: U16::new(self.inverse as u16),
             key_count: U32::new(self.key_count),
             reserved: [0; 20],
         }
@@ -170,6 +208,8 @@ impl Instance {
             1 => IndexKind::Sparse,
             other => return Err(field.values(1, u64::from(other))),
         };
+        let inverse = InverseKind::from_code(record.inverse.get())
+            .ok_or(field.values(2, u64::from(record.inverse.get())))?;
         let grid = BinGrid::new(binning, record.bin_resolution.get()).ok_or(field)?;
         let key_count = record.key_count.get();
         let instance = Self {
@@ -181,6 +221,7 @@ impl Instance {
             height: side(record.height)?,
             roughness,
             grid,
+            inverse,
             leaf_size: record.leaf_size.get(),
             filter: Filter::from_code(record.filter.get()).ok_or(field)?,
             index,
@@ -190,7 +231,8 @@ impl Instance {
             IndexKind::Dense => key_count == grid.count(),
             IndexKind::Sparse => key_count <= grid.count() && key_count <= instance.texel_count(),
         };
-        if !keys_fit || key_count == 0 || key_count == u32::MAX || instance.leaf_size == 0 {
+        let leaves_fit = (instance.leaf_size > 0) == (inverse == InverseKind::Forest);
+        if !keys_fit || key_count == 0 || key_count == u32::MAX || !leaves_fit {
             return Err(field);
         }
         // Also catches reserved bytes, and a negative zero where zero is canonical.

@@ -1,10 +1,12 @@
 //! The records inside sections, one file each, and the table of all kinds.
 
 mod bins;
+mod blocks;
 mod instance;
 
 pub use bins::{BoxRecord, ExactNormal, ForestNode, TexelPosition};
-pub use instance::{IndexKind, Instance, InstanceRecord};
+pub use blocks::{ListStart, PageRecord, TileRecord};
+pub use instance::{IndexKind, Instance, InstanceRecord, InverseKind};
 
 use crate::section::FourCc;
 
@@ -12,8 +14,10 @@ use crate::section::FourCc;
 pub const INSTANCES: FourCc = FourCc(*b"INST");
 /// Metadata: UTF-8 JSON with sorted keys; the runtime never needs it.
 pub const METADATA: FourCc = FourCc(*b"META");
-/// Bin map: one key per texel, row-major, 2 or 4 bytes each.
+/// Bin map in rows: one key per texel, row-major, 2 or 4 bytes each.
 pub const BIN_MAP: FourCc = FourCc(*b"BMAP");
+/// Bin map in blocks: one key per texel, block by block, 2 or 4 bytes each.
+pub const BLOCKED_BIN_MAP: FourCc = FourCc(*b"TMAP");
 /// Occupied bins: the bin number of each key of a sparse index, rising.
 pub const OCCUPIED_BINS: FourCc = FourCc(*b"BINS");
 /// Index: for each key the start of its list in the inverse bin map, and the number of texels at the end.
@@ -22,6 +26,18 @@ pub const INDEX: FourCc = FourCc(*b"INDX");
 pub const INVERSE_BIN_MAP: FourCc = FourCc(*b"IBMP");
 /// Forest: bounding boxes over the long lists of the inverse bin map.
 pub const FOREST: FourCc = FourCc(*b"FRST");
+/// Pages of block lists: which lists are a page's.
+pub const PAGES: FourCc = FourCc(*b"PAGE");
+/// The key of each block list, rising within a page; absent if each page has a list for every key.
+pub const LIST_KEYS: FourCc = FourCc(*b"LKEY");
+/// Where each block list's blocks and tiles begin, and the numbers of them at the end.
+pub const LISTS: FourCc = FourCc(*b"LIST");
+/// The names of the blocks of all block lists, 2 bytes each, rising within a list.
+pub const LIST_BLOCKS: FourCc = FourCc(*b"LBLK");
+/// How many texels of the list's key each block of a block list has, 1 byte each.
+pub const LIST_COUNTS: FourCc = FourCc(*b"LCNT");
+/// The tiles of long block lists.
+pub const LIST_TILES: FourCc = FourCc(*b"LTIL");
 /// Exact normals: where in its bin each texel's normal lies, row-major.
 pub const EXACT_NORMALS: FourCc = FourCc(*b"EXNM");
 
@@ -38,6 +54,13 @@ const KINDS: &[(FourCc, &[u32])] = &[
     (INVERSE_BIN_MAP, &[4]),
     (FOREST, &[16]),
     (EXACT_NORMALS, &[4]),
+    (BLOCKED_BIN_MAP, &[2, 4]),
+    (PAGES, &[8]),
+    (LIST_KEYS, &[4]),
+    (LISTS, &[8]),
+    (LIST_BLOCKS, &[2]),
+    (LIST_COUNTS, &[1]),
+    (LIST_TILES, &[6]),
 ];
 
 /// The element sizes a section of `kind` may have, or `None` if this version does not know the kind.

@@ -1,20 +1,16 @@
-//! The index: from a bin to its key, from a key to its list and its bin.
+//! The index: from a bin to its key, and back.
 
 use super::bin_tables::elements;
 use crate::container::Container;
 use crate::finding::{Fault, Finding};
-use crate::records::{INDEX, IndexKind, Instance, OCCUPIED_BINS};
-use crate::section::SectionId;
+use crate::records::{IndexKind, Instance, OCCUPIED_BINS};
 use core::ops::Range;
 use zerocopy::little_endian::U32;
 
-/// Where each key's list lies, and which bin each key stands for.
+/// Which bin each key stands for.
 #[derive(Clone, Copy, Debug)]
 pub struct BinIndex<'a> {
-    id: SectionId,
     bin_count: u32,
-    texel_count: u32,
-    offsets: &'a [U32],
     /// The bins of a sparse index.
     occupied: Option<&'a [U32]>,
 }
@@ -27,10 +23,7 @@ impl<'a> BinIndex<'a> {
     pub fn open(container: &Container<'a>, instance: &Instance) -> Result<Self, Finding> {
         let keys = instance.key_count as usize;
         Ok(Self {
-            id: instance.section(INDEX),
             bin_count: instance.grid.count(),
-            texel_count: instance.texel_count(),
-            offsets: elements(container, instance, INDEX, keys.saturating_add(1))?,
             occupied: match instance.index {
                 IndexKind::Dense => None,
                 IndexKind::Sparse => Some(elements(container, instance, OCCUPIED_BINS, keys)?),
@@ -74,22 +67,5 @@ impl<'a> BinIndex<'a> {
             .count();
         // A section has fewer than 2³² keys.
         start as u32..start.saturating_add(length) as u32
-    }
-
-    /// The places of `key`'s texels in the inverse bin map, within bounds.
-    ///
-    /// # Errors
-    /// [`Fault::IndexOrder`] if there is no such key, or its offsets contradict each other.
-    #[inline]
-    pub fn list(&self, key: u32) -> Result<Range<u32>, Finding> {
-        let place = key as usize;
-        match self.offsets.get(place..place.saturating_add(2)) {
-            Some([start, end]) if start.get() <= end.get() && end.get() <= self.texel_count => {
-                Ok(start.get()..end.get())
-            }
-            _ => Err(Finding::new(Fault::IndexOrder)
-                .within(self.id)
-                .at(u64::from(key))),
-        }
     }
 }

@@ -1,48 +1,144 @@
 //! The bin map: one key per texel.
 
+use super::bin_tables::expect_count;
 use crate::container::Container;
 use crate::finding::Finding;
-use crate::records::{BIN_MAP, Instance};
+use crate::model::{BLOCK_SIDE, BLOCK_TEXELS, BlockLayout};
+use crate::records::{BIN_MAP, BLOCKED_BIN_MAP, Instance};
+use crate::section::SectionId;
 use zerocopy::little_endian::{U16, U32};
 
-/// A bin map of either key width.
+/// Keys of either width, in the order of the bin map's layout.
 #[derive(Clone, Copy, Debug)]
-pub enum BinMap<'a> {
+pub enum Keys<'a> {
     /// Keys of 2 bytes, for up to 65 536 of them.
     Narrow(&'a [U16]),
     /// Keys of 4 bytes.
     Wide(&'a [U32]),
 }
 
+/// Where the key of a texel lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeyLayout {
+    /// Row by row.
+    Rows {
+        /// Texels a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// Block by block.
+    Blocks(BlockLayout),
+}
+
+/// A bin map.
+#[derive(Clone, Copy, Debug)]
+pub struct BinMap<'a> {
+    /// The section it lies in.
+    pub id: SectionId,
+    /// One key a texel, and in blocks that reach beyond the map zeros.
+    pub keys: Keys<'a>,
+    /// Where a texel's key is among them.
+    pub layout: KeyLayout,
+}
+
 impl<'a> BinMap<'a> {
-    /// The bin map of `instance`, one key for each of its texels.
+    /// The bin map of `instance`: in blocks if it has one of these, else in rows.
     ///
     /// # Errors
-    /// If the section is missing or has not one element a texel.
+    /// If neither section is there or the one that is has not as many elements as its layout needs.
     pub fn open(container: &Container<'a>, instance: &Instance) -> Result<Self, Finding> {
-        let id = instance.section(BIN_MAP);
+        let blocked = instance.section(BLOCKED_BIN_MAP);
+        let (id, layout, count) = if container.find(blocked).is_some() {
+            let layout = BlockLayout::new(instance.width, instance.height);
+            (blocked, KeyLayout::Blocks(layout), layout.key_count())
+        } else {
+            let layout = KeyLayout::Rows {
+                width: instance.width,
+                height: instance.height,
+            };
+            let id = instance.section(BIN_MAP);
+            (id, layout, u64::from(instance.texel_count()))
+        };
         let wide = container
             .find(id)
             .is_some_and(|entry| entry.element_size.get() == 4);
-        let map = if wide {
-            Self::Wide(container.elements(id)?)
+        let keys = if wide {
+            Keys::Wide(container.elements(id)?)
         } else {
-            Self::Narrow(container.elements(id)?)
+            Keys::Narrow(container.elements(id)?)
         };
-        let count = match map {
-            Self::Narrow(keys) => keys.len(),
-            Self::Wide(keys) => keys.len(),
-        };
-        super::bin_tables::expect_count(id, instance.texel_count() as usize, count)?;
+        let map = Self { id, keys, layout };
+        expect_count(id, count as usize, map.len())?;
         Ok(map)
     }
 
-    /// The key of texel number `texel`, row-major.
+    /// Number of keys, those beyond the map included.
+    pub const fn len(&self) -> usize {
+        match self.keys {
+            Keys::Narrow(keys) => keys.len(),
+            Keys::Wide(keys) => keys.len(),
+        }
+    }
+
+    /// Whether there are no keys.
+    pub const fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The key at place `place` of the layout.
     #[inline]
-    pub fn key(&self, texel: usize) -> Option<u32> {
+    pub fn key_at(&self, place: usize) -> Option<u32> {
+        match self.keys {
+            Keys::Narrow(keys) => keys.get(place).map(|key| u32::from(key.get())),
+            Keys::Wide(keys) => keys.get(place).map(|key| key.get()),
+        }
+    }
+
+    /// The key of texel (`column`, `row`).
+    #[inline]
+    pub fn key(&self, column: u32, row: u32) -> Option<u32> {
+        self.key_at(match self.layout {
+            KeyLayout::Rows { width, .. } => (row as usize)
+                .wrapping_mul(width as usize)
+                .wrapping_add(column as usize),
+            KeyLayout::Blocks(layout) => layout.texel(column, row),
+        })
+    }
+}
+
+impl KeyLayout {
+    /// The 64 keys of block (`column`, `row`) of `keys`, which is in this layout; put together in `space` where they do
+    /// not lie together, with zeros beyond the map. `None` if there is no such block.
+    #[inline]
+    pub fn block<'k, K: Copy + Default>(
+        self,
+        keys: &'k [K],
+        column: u32,
+        row: u32,
+        space: &'k mut [K; BLOCK_TEXELS],
+    ) -> Option<&'k [K; BLOCK_TEXELS]> {
         match self {
-            Self::Narrow(keys) => keys.get(texel).map(|key| u32::from(key.get())),
-            Self::Wide(keys) => keys.get(texel).map(|key| key.get()),
+            Self::Blocks(layout) => {
+                let (block, _) = keys.get(layout.block(column, row)..)?.split_first_chunk()?;
+                Some(block)
+            }
+            Self::Rows { width, height } => {
+                let left = column.checked_mul(BLOCK_SIDE)?;
+                let top = row.checked_mul(BLOCK_SIDE)?;
+                let length = BLOCK_SIDE.min(width.checked_sub(left)?) as usize;
+                let rows = BLOCK_SIDE.min(height.checked_sub(top)?) as usize;
+                *space = [K::default(); BLOCK_TEXELS];
+                let (lines, _) = space.as_chunks_mut::<{ BLOCK_SIDE as usize }>();
+                for (line, row) in lines.iter_mut().take(rows).zip(top..) {
+                    let start = row as usize * width as usize + left as usize;
+                    let stored = keys.get(start..start.checked_add(length)?)?;
+                    for (slot, key) in line.iter_mut().zip(stored) {
+                        *slot = *key;
+                    }
+                }
+                Some(space)
+            }
         }
     }
 }

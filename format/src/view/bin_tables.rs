@@ -1,26 +1,34 @@
 //! All sections that weigh bins, opened together.
 
-use super::{BinIndex, BinMap};
+use super::{BinIndex, BinMap, BlockLists, InverseBinMap};
 use crate::container::Container;
 use crate::finding::{Fault, Finding};
-use crate::model::ForestShape;
-use crate::records::{BIN_MAP, FOREST, ForestNode, INVERSE_BIN_MAP, Instance, TexelPosition};
+use crate::records::{Instance, InverseKind};
 use crate::section::{FourCc, SectionId};
 use zerocopy::{FromBytes, Immutable, KnownLayout, Unaligned};
 
-/// Bin map, index, inverse bin map and forest of one instance.
+/// How an instance finds the texels of a bin.
+#[derive(Clone, Copy, Debug)]
+pub enum Inverse<'a> {
+    /// By their positions, with a forest over them.
+    Forest(InverseBinMap<'a>),
+    /// By the blocks that hold them.
+    Tiles(BlockLists<'a>),
+    /// Not at all.
+    None,
+}
+
+/// Bin map, index, and what finds the texels of a bin, of one instance.
 #[derive(Clone, Copy, Debug)]
 pub struct BinTables<'a> {
     /// What the tables were baked for.
     pub instance: Instance,
     /// From texel to key.
     pub bin_map: BinMap<'a>,
-    /// From key to list and bin.
+    /// From key to bin.
     pub index: BinIndex<'a>,
-    /// The inverse bin map: all texels, list after list.
-    pub positions: &'a [TexelPosition],
-    /// Absent if no list is longer than a leaf.
-    pub forest: Option<&'a [ForestNode]>,
+    /// From key to texels.
+    pub inverse: Inverse<'a>,
 }
 
 impl<'a> BinTables<'a> {
@@ -29,37 +37,27 @@ impl<'a> BinTables<'a> {
     /// # Errors
     /// If a section is missing or its count does not fit the map.
     pub fn open(container: &Container<'a>, instance: &Instance) -> Result<Self, Finding> {
-        let texels = instance.texel_count() as usize;
-        let slots = ForestShape::slot_count(instance.texel_count(), instance.leaf_size);
         Ok(Self {
             instance: *instance,
             bin_map: BinMap::open(container, instance)?,
             index: BinIndex::open(container, instance)?,
-            positions: elements(container, instance, INVERSE_BIN_MAP, texels)?,
-            forest: match container.find(instance.section(FOREST)) {
-                Some(_) => Some(elements(container, instance, FOREST, slots as usize)?),
-                None => None,
+            inverse: match instance.inverse {
+                InverseKind::Forest => Inverse::Forest(InverseBinMap::open(container, instance)?),
+                InverseKind::Tiles => Inverse::Tiles(BlockLists::open(container, instance)?),
+                InverseKind::None => Inverse::None,
             },
         })
     }
 
-    /// The number of the texel at (`column`, `row`), row-major.
-    pub fn texel(&self, column: u32, row: u32) -> usize {
-        (row as usize)
-            .wrapping_mul(self.instance.width as usize)
-            .wrapping_add(column as usize)
-    }
-
-    /// The number of the bin of texel number `texel`.
+    /// The number of the bin of texel (`column`, `row`).
     ///
     /// # Errors
     /// If there is no such texel, or its key names no bin.
-    pub fn bin_of_texel(&self, texel: usize) -> Result<u32, Finding> {
-        let key = self.bin_map.key(texel).ok_or_else(|| {
-            Finding::new(Fault::PositionRange)
-                .within(self.instance.section(BIN_MAP))
-                .at(texel as u64)
-        })?;
+    pub fn bin_of_texel(&self, column: u32, row: u32) -> Result<u32, Finding> {
+        let key = self
+            .bin_map
+            .key(column, row)
+            .ok_or_else(|| Finding::new(Fault::PositionRange).within(self.bin_map.id))?;
         self.index.bin_of_key(key)
     }
 }

@@ -12,6 +12,7 @@ use crate::section::SectionId;
 #[derive(Clone, Copy, Debug)]
 pub struct ExactNormals<'a> {
     id: SectionId,
+    width: u32,
     grid: BinGrid,
     bin_map: BinMap<'a>,
     index: BinIndex<'a>,
@@ -31,6 +32,7 @@ impl<'a> ExactNormals<'a> {
         let texels = instance.texel_count() as usize;
         Ok(Some(Self {
             id,
+            width: instance.width,
             grid: instance.grid,
             bin_map: BinMap::open(container, instance)?,
             index: BinIndex::open(container, instance)?,
@@ -38,19 +40,22 @@ impl<'a> ExactNormals<'a> {
         }))
     }
 
-    /// The normal of texel number `texel`, row-major.
+    /// The normal of texel (`column`, `row`).
     ///
     /// # Errors
     /// If there is no such texel, or its key names no bin.
-    pub fn normal(&self, texel: usize) -> Result<HalfVector, Finding> {
+    pub fn normal(&self, column: u32, row: u32) -> Result<HalfVector, Finding> {
+        let texel = (row as usize)
+            .wrapping_mul(self.width as usize)
+            .wrapping_add(column as usize);
         let missing = || {
             Finding::new(Fault::SectionCount)
                 .within(self.id)
                 .at(texel as u64)
         };
-        let key = self.bin_map.key(texel).ok_or_else(missing)?;
-        let (column, row) = self.grid.column_row(self.index.bin_of_key(key)?);
+        let key = self.bin_map.key(column, row).ok_or_else(missing)?;
+        let (bin_column, bin_row) = self.grid.column_row(self.index.bin_of_key(key)?);
         let [x, y] = self.normals.get(texel).ok_or_else(missing)?.fractions();
-        Ok(self.grid.normal_in_bin(column, row, x, y))
+        Ok(self.grid.normal_in_bin(bin_column, bin_row, x, y))
     }
 }

@@ -6,9 +6,13 @@
 mod bin_index;
 mod bin_map;
 mod bin_tables;
+mod block_lists;
 mod exact_normals;
+mod inverse_bin_map;
 
 pub use bin_index::BinIndex;
-pub use bin_map::BinMap;
-pub use bin_tables::BinTables;
+pub use bin_map::{BinMap, KeyLayout, Keys};
+pub use bin_tables::{BinTables, Inverse};
+pub use block_lists::{BlockList, BlockLists};
 pub use exact_normals::ExactNormals;
+pub use inverse_bin_map::InverseBinMap;

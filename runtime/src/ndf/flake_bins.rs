@@ -134,15 +134,15 @@ impl<'a> FlakeBins<'a> {
         )
     }
 
-    /// The normal of texel number `texel` as the setting sees it: its own, or its bin's centre.
-    fn normal_of_texel(&self, texel: usize) -> Result<[f64; 3], QueryError> {
+    /// The normal of texel (`column`, `row`) as the setting sees it: its own, or its bin's centre.
+    fn normal_of_texel(&self, column: u32, row: u32) -> Result<[f64; 3], QueryError> {
         if self.setting != Setting::Exact {
             let grid = self.tables.instance.grid;
-            let (column, row) = grid.column_row(self.tables.bin_of_texel(texel)?);
-            return Ok(grid.centre(column, row));
+            let (bin_column, bin_row) = grid.column_row(self.tables.bin_of_texel(column, row)?);
+            return Ok(grid.centre(bin_column, bin_row));
         }
         let exact = self.exact.as_ref().ok_or(NO_EXACT_NORMALS)?;
-        Ok(exact.normal(texel)?.direction())
+        Ok(exact.normal(column, row)?.direction())
     }
 }
 
@@ -211,8 +211,7 @@ impl Ndf for FlakeBins<'_> {
                     for column in row.columns.clone() {
                         let weight = row.weight(column);
                         if weight > 0.0 {
-                            let texel = self.tables.texel(column, row.row);
-                            emit(self.normal_of_texel(texel)?, weight);
+                            emit(self.normal_of_texel(column, row.row)?, weight);
                         }
                     }
                 }
@@ -226,8 +225,9 @@ impl Ndf for FlakeBins<'_> {
         footprint: &Footprint,
         uniform: [f64; 4],
     ) -> Result<Option<HalfVector>, QueryError> {
-        let texel = texel_under(&self.tables, footprint, [uniform[0], uniform[1]])?;
-        let centre = self.normal_of_texel(texel)?;
+        let (texel_column, texel_row) =
+            texel_under(&self.tables, footprint, [uniform[0], uniform[1]])?;
+        let centre = self.normal_of_texel(texel_column, texel_row)?;
         let drawn = beckmann::sample(centre, self.roughness, [uniform[2], uniform[3]]);
         if drawn[2] <= 0.0 {
             return Ok(None);
@@ -236,7 +236,8 @@ impl Ndf for FlakeBins<'_> {
         if let Setting::Binned(neighbourhood) = self.setting {
             // `eval` at the drawn vector looks no further than its neighbourhood, so neither may the sampler.
             let grid = self.tables.instance.grid;
-            let (own_column, own_row) = grid.column_row(self.tables.bin_of_texel(texel)?);
+            let (own_column, own_row) =
+                grid.column_row(self.tables.bin_of_texel(texel_column, texel_row)?);
             let (column, row) = grid.bin_of(half_vector);
             let dx = i64::from(own_column) - i64::from(column);
             let dy = i64::from(own_row) - i64::from(row);

@@ -75,9 +75,9 @@ impl Ndf for SpecularBins<'_> {
         footprint: &Footprint,
         uniform: [f64; 4],
     ) -> Result<Option<HalfVector>, QueryError> {
-        let texel = texel_under(&self.tables, footprint, [uniform[0], uniform[1]])?;
+        let (column, row) = texel_under(&self.tables, footprint, [uniform[0], uniform[1]])?;
         let grid = self.tables.instance.grid;
-        let (column, row) = grid.column_row(self.tables.bin_of_texel(texel)?);
+        let (column, row) = grid.column_row(self.tables.bin_of_texel(column, row)?);
         // Equal areas of the square are equal solid angles: uniform in the bin's square is uniform in the bin.
         Ok(Some(
             grid.normal_in_bin(column, row, uniform[2], uniform[3]),

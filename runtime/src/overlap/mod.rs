@@ -2,15 +2,17 @@
 //!
 //! - [`Outline`]: exact coverage in texture space, a row of texels at a time; for footprints that are not too thin.
 //! - `clip`: the same in parameter space, one box at a time; slower, right for footprints of any shape.
-//! - [`Probe`]: which boxes and texels need either at all.
+//! - [`Probe`]: which boxes and texels need either at all; [`SquareProbe`]: the same for many squares of one size.
 
 mod clip;
 mod outline;
 mod probe;
 mod rows;
+mod squares;
 
 pub(crate) use outline::{CoveredRow, Outline};
-pub(crate) use probe::Probe;
+pub(crate) use probe::{Probe, Relation};
+pub(crate) use squares::SquareProbe;
 
 use crate::error::QueryError;
 use glintbake_format::model::{Footprint, MAX_EDGE_TILES, Wrap};

@@ -172,6 +172,30 @@ impl Outline {
     }
 }
 
+impl Outline {
+    /// The least and greatest column, not rounded, that `footprint`, which this is the outline of as seen from any tile,
+    /// has between rows `top` and `bottom` of the tile; the least is the greater one if it has none.
+    #[inline]
+    pub fn columns(&self, footprint: &Parallelogram, top: f64, bottom: f64) -> [f64; 2] {
+        let (top, bottom) = (top - footprint.cell[1], bottom - footprint.cell[1]);
+        let mut low = f64::INFINITY;
+        let mut high = f64::NEG_INFINITY;
+        for side in &self.left {
+            let cut = side.cut(top, bottom);
+            if cut.height > 0.0 {
+                low = low.min(cut.low);
+            }
+        }
+        for side in &self.right {
+            let cut = side.cut(top, bottom);
+            if cut.height > 0.0 {
+                high = high.max(cut.high);
+            }
+        }
+        [footprint.cell[0] + low, footprint.cell[0] + high]
+    }
+}
+
 /// What a footprint covers of one row of texels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CoveredRow {

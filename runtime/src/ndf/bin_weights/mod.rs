@@ -1,41 +1,47 @@
 //! Weights `W_j` of a few neighbouring bins over a footprint, \[AWKK21\] §5.4.
 //!
-//! Two ways to the same numbers: scan the bin map under the footprint (`bin_map`), or look the bins' texels up in the
-//! inverse bin map and its forest (`lists`, `walk`). The first is cheaper for few texels, the second hardly grows with
-//! their number; `cost` tells which to take.
+//! Three ways to the same numbers: scan the bin map under the footprint (`scan`), or find the bins' texels by the blocks
+//! that hold them (`block_lists`) or by their positions (`forest`), whichever the package has. The first is cheaper for
+//! few texels, the others hardly grow with their number; `cost` tells which to take.
 
-mod bin_map;
+mod block_lists;
 mod cost;
-mod lists;
-mod walk;
+mod forest;
+mod frame;
+mod keys;
+mod scan;
+mod sums;
 mod window;
 
 pub(crate) use window::BinWindow;
 
 use crate::error::QueryError;
-use crate::overlap::Parallelogram;
-use crate::scan::MapShape;
+use crate::overlap::{Outline, Parallelogram};
+use crate::scan::{Budget, MapShape};
+use frame::Frame;
 use glintbake_format::model::{Footprint, HalfVector};
-use glintbake_format::view::BinTables;
-use lists::Lists;
-use window::{KeyRuns, WINDOW};
+use glintbake_format::records::LISTS;
+use glintbake_format::view::{BinTables, Inverse};
+use sums::Sums;
+use window::KeyRuns;
 
 /// Which way to the weights a query takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Lookup {
-    /// For each bin the cheaper way by the footprint's size and the length of the bin's list.
+    /// The cheaper way by the footprint's size and the length of the bins' lists.
     #[default]
     Auto,
     /// Scan the bin map.
     Scan,
-    /// Traverse the inverse bin map.
+    /// Look the bins' texels up in block lists or forest.
     Lists,
 }
 
 /// Calls `visit(column, row, weight)` for the bins of `window` that have weight over `footprint`.
 ///
 /// # Errors
-/// [`QueryError::TooManyTexels`] from a forced scan, [`QueryError::Damaged`].
+/// [`QueryError::TooManyTexels`] from a scan, [`QueryError::NotBaked`] if lists are forced and there are none,
+/// [`QueryError::Damaged`].
 pub(crate) fn bin_weights(
     tables: &BinTables<'_>,
     footprint: &Parallelogram,
@@ -47,25 +53,21 @@ pub(crate) fn bin_weights(
     let Some(runs) = KeyRuns::new(window, grid, &tables.index) else {
         return Ok(());
     };
-    let mut sums = Sums([0.0; WINDOW * WINDOW]);
-    let longest = match lookup {
-        Lookup::Auto => cost::longest_list(tables, footprint),
-        Lookup::Scan => 0,
-        Lookup::Lists => u32::MAX,
+    let by_lists = match lookup {
+        Lookup::Auto => cost::lists_are_cheaper(tables, footprint, &runs)?,
+        Lookup::Scan => false,
+        Lookup::Lists => true,
     };
-    if longest == 0 {
-        sums.scan(tables, footprint, &runs)?;
+    let mut sums = Sums::new();
+    if by_lists {
+        look_up(&mut sums, tables, footprint, &runs)?;
     } else {
-        let lists = Lists::new(tables, &runs)?;
-        if lists.longest() > longest {
-            sums.scan(tables, footprint, &runs)?;
-        }
-        let lists = lists.up_to(longest);
-        sums.traverse(tables, footprint, &lists)?;
+        scan_tiles(&mut sums, tables, footprint, &runs)?;
     }
+    let weights = sums.weights(footprint);
     for (start, count, place) in runs.iter() {
-        let sums = sums.0.iter().skip(place as usize).take(count as usize);
-        for (key, &weight) in (start..).zip(sums) {
+        let weights = weights.iter().skip(place as usize).take(count as usize);
+        for (key, &weight) in (start..).zip(weights) {
             if weight > 0.0 {
                 let (column, row) = grid.column_row(tables.index.bin_of_key(key)?);
                 // An index may lie about the bin of a key; no bin outside the window gets weight by that.
@@ -78,21 +80,57 @@ pub(crate) fn bin_weights(
     Ok(())
 }
 
-/// Sums of weights by the places of [`KeyRuns`].
-struct Sums([f64; WINDOW * WINDOW]);
-
-impl Sums {
-    fn clear(&mut self, place: u32) {
-        if let Some(sum) = self.0.get_mut(place as usize) {
-            *sum = 0.0;
-        }
+fn scan_tiles(
+    sums: &mut Sums,
+    tables: &BinTables<'_>,
+    footprint: &Parallelogram,
+    runs: &KeyRuns,
+) -> Result<(), QueryError> {
+    let shape = map_shape(tables);
+    let outline = Outline::new(footprint);
+    let mut budget = Budget::new(shape);
+    let whole_tiles = shape.for_each_copy(footprint, &mut |tile| {
+        let frame = Frame::new(tables, tile, outline.as_ref());
+        scan::scan(sums, &frame, runs, &mut budget)
+    })?;
+    if whole_tiles > 0 {
+        scan::count_map(sums, tables, runs, whole_tiles)?;
     }
+    Ok(())
+}
 
-    #[inline]
-    fn add(&mut self, place: u32, weight: f64) {
-        if let Some(sum) = self.0.get_mut(place as usize) {
-            *sum += weight;
+fn look_up(
+    sums: &mut Sums,
+    tables: &BinTables<'_>,
+    footprint: &Parallelogram,
+    runs: &KeyRuns,
+) -> Result<(), QueryError> {
+    let shape = map_shape(tables);
+    let outline = Outline::new(footprint);
+    let outline = outline.as_ref();
+    match &tables.inverse {
+        Inverse::Tiles(lists) => {
+            let whole_tiles = shape.for_each_copy(footprint, &mut |tile| {
+                let frame = Frame::new(tables, tile, outline);
+                block_lists::traverse(sums, &frame, lists, runs)
+            })?;
+            if whole_tiles > 0 {
+                block_lists::count_map(sums, lists, runs, whole_tiles)?;
+            }
+            Ok(())
         }
+        Inverse::Forest(inverse) => {
+            let lists = forest::Lists::new(tables, inverse, runs)?;
+            let whole_tiles = shape.for_each_copy(footprint, &mut |tile| {
+                lists.traverse(sums, tables, inverse, tile, outline)
+            })?;
+            lists.count(sums, whole_tiles);
+            Ok(())
+        }
+        Inverse::None => Err(QueryError::NotBaked {
+            section: LISTS,
+            option: "--index tiles",
+        }),
     }
 }
 
@@ -117,16 +155,15 @@ pub(crate) fn parallelogram(
     Parallelogram::new(footprint, width, height, wrap)
 }
 
-/// The number of the texel under a uniform point of `footprint`, drawn by two numbers in [0, 1).
+/// Column and row of the texel under a uniform point of `footprint`, drawn by two numbers in [0, 1).
 pub(crate) fn texel_under(
     tables: &BinTables<'_>,
     footprint: &Footprint,
     uniform: [f64; 2],
-) -> Result<usize, QueryError> {
+) -> Result<(u32, u32), QueryError> {
     let footprint = parallelogram(tables, footprint)?;
     let [a, b] = uniform.map(|number| number - 0.5);
-    let (column, row) = map_shape(tables).texel_at(&footprint, a, b);
-    Ok(tables.texel(column, row))
+    Ok(map_shape(tables).texel_at(&footprint, a, b))
 }
 
 /// Refuses a half vector that is no point.

@@ -178,6 +178,13 @@ impl KeyRuns {
         Some(keys)
     }
 
+    /// The place of `key`, if it is one of the window's.
+    pub fn place(&self, key: u32) -> Option<u32> {
+        self.iter()
+            .find(|&(start, count, _)| key.wrapping_sub(start) < count)
+            .map(|(start, _, place)| place + (key - start))
+    }
+
     /// First key, number of keys and first place of each run.
     pub fn iter(&self) -> impl Iterator<Item = (u32, u32, u32)> {
         self.starts

@@ -1,12 +1,13 @@
 //! Downwards through the trees of lists.
 
-use super::lists::{LISTS, List};
+use super::{LISTS, List};
 use crate::error::QueryError;
+use crate::ndf::bin_weights::sums::Sums;
 use crate::overlap::{Parallelogram, Probe, TexelBox};
 use core::hint::black_box;
 use glintbake_format::model::ForestShape;
 use glintbake_format::records::{BoxRecord, FOREST, ForestNode, TexelPosition};
-use glintbake_format::view::BinTables;
+use glintbake_format::view::{BinTables, InverseBinMap};
 use glintbake_format::{Fault, Finding};
 
 /// Nodes read together before the first of them is tested. Most lie in cache lines of their own, and whoever waits for
@@ -42,82 +43,58 @@ impl Node {
 /// A leaf to look through: places of the inverse bin map.
 #[derive(Clone, Copy)]
 struct Leaf {
-    list: u32,
+    /// The list's place among the sums.
+    place: u32,
     first: u32,
     last: u32,
 }
 
 impl Leaf {
     const NONE: Self = Self {
-        list: 0,
+        place: 0,
         first: 0,
         last: 0,
     };
 }
 
-/// What was found of a list under a footprint.
-#[derive(Clone, Copy, Default)]
-struct Found {
-    /// Texels that lie inside.
-    whole_texels: u64,
-    /// Weight of the other texels in units of 2⁻⁶². An integer, so that the order in which a list's texels come does
-    /// not matter: it depends on the window's other lists, and a bin has one weight, in whichever window it is found.
-    weight: u64,
-}
-
-/// 2⁶²: the weights of a list add up to at most 1 and rounding.
-const UNITS: f64 = (1_u64 << 62) as f64;
-
-impl Found {
-    fn weight(&self, footprint: &Parallelogram) -> f64 {
-        let mut weight = self.weight as f64 / UNITS;
-        // The weight of a whole texel is infinite where there can be none.
-        if self.whole_texels > 0 {
-            weight += self.whole_texels as f64 * footprint.texel_weight();
-        }
-        weight
-    }
-}
-
 /// The traversal of lists under the part of a footprint in one tile.
 pub(super) struct Walk<'a> {
     tables: &'a BinTables<'a>,
+    inverse: &'a InverseBinMap<'a>,
     footprint: &'a Parallelogram,
     probe: Probe<'a>,
     unbounded: bool,
+    sums: &'a mut Sums,
     waiting: [Node; WAITING],
     leaves: [Leaf; LEAVES],
     leaf_count: usize,
-    found: [Found; LISTS],
 }
 
 impl<'a> Walk<'a> {
-    /// The traversal under `footprint`, to be tested by `probe`; `unbounded` if it reaches beyond the border of a
-    /// clamped map.
+    /// The traversal under `footprint`, to be tested by `probe`, of lists whose texels are added to `sums`; `unbounded`
+    /// if it reaches beyond the border of a clamped map.
     pub fn new(
         tables: &'a BinTables<'a>,
+        inverse: &'a InverseBinMap<'a>,
         footprint: &'a Parallelogram,
         probe: Probe<'a>,
         unbounded: bool,
+        sums: &'a mut Sums,
     ) -> Self {
         Self {
             tables,
+            inverse,
             footprint,
             probe,
             unbounded,
+            sums,
             waiting: [Node::ROOT; WAITING],
             leaves: [Leaf::NONE; LEAVES],
             leaf_count: 0,
-            found: [Found::default(); LISTS],
         }
     }
 
-    /// The weights of the lists, in their order.
-    pub fn weights(&self) -> impl Iterator<Item = f64> {
-        self.found.iter().map(|found| found.weight(self.footprint))
-    }
-
-    /// Weighs `lists`.
+    /// Adds the weights of `lists` to the sums.
     ///
     /// Downwards from the roots of all lists at once: a box outside is skipped, one inside counts by its number of
     /// texels, and the texels of a crossing leaf are tested one by one. Each node is visited at most once and covers
@@ -126,7 +103,7 @@ impl<'a> Walk<'a> {
         let mut count = 0;
         for (number, list) in (0..).zip(lists) {
             if list.shape.depth() == 0 {
-                self.add_leaf(number, list.start, list.end, true);
+                self.add_leaf(list.place, list.start, list.end, true);
                 self.make_room(1)?;
             } else if let Some(slot) = self.waiting.get_mut(count) {
                 *slot = Node {
@@ -156,14 +133,13 @@ impl<'a> Walk<'a> {
                     let first = list.start + list.shape.first_texel(level, child);
                     let last = list.start + list.shape.first_texel(level, child.wrapping_add(1));
                     let relation = self.probe.relation(&self.texels(bounds));
-                    if relation.inside
-                        && let Some(found) = self.found.get_mut(node.list as usize)
-                    {
-                        found.whole_texels += u64::from(last.saturating_sub(first));
+                    if relation.inside {
+                        let texels = u64::from(last.saturating_sub(first));
+                        self.sums.add_inside(list.place, texels);
                     }
                     // Written in any case, kept only if crossing: that costs less than a wrong guess.
                     if level == list.shape.depth() {
-                        self.add_leaf(node.list, first, last, relation.crossing);
+                        self.add_leaf(list.place, first, last, relation.crossing);
                     } else {
                         if let Some(slot) = self.waiting.get_mut(count) {
                             *slot = Node {
@@ -184,7 +160,7 @@ impl<'a> Walk<'a> {
         let slot = lists
             .get(node.list as usize)
             .map(|list| list.shape.slot(node.level, node.node) as usize);
-        self.tables
+        self.inverse
             .forest
             .zip(slot)
             .and_then(|(nodes, slot)| nodes.get(slot))
@@ -198,9 +174,9 @@ impl<'a> Walk<'a> {
 
     /// Writes a leaf down, and keeps it if it is `wanted`.
     #[inline]
-    fn add_leaf(&mut self, list: u32, first: u32, last: u32, wanted: bool) {
+    fn add_leaf(&mut self, place: u32, first: u32, last: u32, wanted: bool) {
         if let Some(leaf) = self.leaves.get_mut(self.leaf_count) {
-            *leaf = Leaf { list, first, last };
+            *leaf = Leaf { place, first, last };
             self.leaf_count += usize::from(wanted);
         }
     }
@@ -225,8 +201,8 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    fn positions(&self, leaf: &Leaf) -> Result<&[TexelPosition], Finding> {
-        self.tables
+    fn positions(&self, leaf: &Leaf) -> Result<&'a [TexelPosition], Finding> {
+        self.inverse
             .positions
             .get(leaf.first as usize..leaf.last as usize)
             .ok_or(Finding::new(Fault::IndexOrder))
@@ -234,9 +210,7 @@ impl<'a> Walk<'a> {
 
     fn leaf(&mut self, leaf: &Leaf) -> Result<(), QueryError> {
         let positions = self.positions(leaf)?;
-        let mut whole_texels = 0_u32;
-        let mut units = 0_u64;
-        let mut add = |weight: f64| units = units.saturating_add((weight * UNITS) as u64);
+        let mut inside = 0_u32;
         if self.unbounded {
             for position in positions {
                 let texel = self.texels(&BoxRecord {
@@ -246,9 +220,9 @@ impl<'a> Walk<'a> {
                     last_row: position.row,
                 });
                 let relation = self.probe.relation(&texel);
-                whole_texels += u32::from(relation.inside);
+                inside += u32::from(relation.inside);
                 if relation.crossing {
-                    add(self.footprint.weight(&texel));
+                    self.sums.add(leaf.place, self.footprint.weight(&texel));
                 }
             }
         } else {
@@ -260,21 +234,18 @@ impl<'a> Walk<'a> {
                 for position in positions {
                     let (column, row) = (position.column.get(), position.row.get());
                     let relation = self.probe.texel(column, row);
-                    whole_texels += u32::from(relation.inside);
+                    inside += u32::from(relation.inside);
                     if let Some(slot) = crossing.get_mut(count) {
                         *slot = (column, row);
                     }
                     count += usize::from(relation.crossing);
                 }
                 for &(column, row) in crossing.iter().take(count) {
-                    add(self.probe.weight(column, row));
+                    self.sums.add(leaf.place, self.probe.weight(column, row));
                 }
             }
         }
-        if let Some(found) = self.found.get_mut(leaf.list as usize) {
-            found.whole_texels += u64::from(whole_texels);
-            found.weight = found.weight.saturating_add(units);
-        }
+        self.sums.add_inside(leaf.place, u64::from(inside));
         Ok(())
     }
 

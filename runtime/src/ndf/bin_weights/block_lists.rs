@@ -1,0 +1,348 @@
+//! Weights from block lists: blocks inside count by their numbers, those on the outline are scanned.
+
+use super::frame::Frame;
+use super::keys::StoredKey;
+use super::scan::missing;
+use super::sums::Sums;
+use super::window::KeyRuns;
+use crate::error::QueryError;
+use crate::overlap::SquareProbe;
+use core::hint::black_box;
+use core::ops::Range;
+use glintbake_format::model::{
+    BLOCK_SIDE, BLOCK_TEXELS, PAGE_SIDE, TILE_SIDE, block_name, block_place,
+};
+use glintbake_format::view::{BlockList, BlockLists, KeyLayout, Keys};
+use zerocopy::little_endian::U16;
+
+/// Blocks tested together. Where each of them lies is anyone's guess, so nothing branches on it.
+const TOGETHER: usize = 16;
+/// Lists longer than this are first cut down to the rows of tiles that the footprint meets.
+const SEARCHED: usize = 32;
+/// Blocks on the outline that are fetched at once.
+const FETCHED: usize = 16;
+/// Blocks in a row of a page.
+const PAGE_BLOCKS: u32 = PAGE_SIDE / BLOCK_SIDE;
+/// Tiles in a row of a page.
+const PAGE_TILES: u16 = (PAGE_SIDE / TILE_SIDE) as u16;
+
+/// Adds the weights of all texels under the footprint of `frame` whose keys are in `runs`.
+pub(super) fn traverse(
+    sums: &mut Sums,
+    frame: &Frame<'_>,
+    lists: &BlockLists<'_>,
+    runs: &KeyRuns,
+) -> Result<(), QueryError> {
+    let rows = frame.block_rows();
+    let bounds = frame.footprint.bounds();
+    let page_rows = page_range(bounds.low[1], bounds.high[1], lists.layout.rows, frame.unbounded);
+    for page_row in page_rows {
+        let columns = page_range(
+            bounds.low[0],
+            bounds.high[0],
+            lists.layout.columns,
+            frame.unbounded,
+        );
+        for page_column in columns {
+            let mut page = Page {
+                frame,
+                corner: [page_column * PAGE_SIDE, page_row * PAGE_SIDE],
+                blocks: frame.squares(f64::from(BLOCK_SIDE)),
+                tiles: frame.squares(f64::from(TILE_SIDE)),
+                tile_rows: tile_rows(&rows, page_row),
+                outline: Marks::new(),
+            };
+            let number = page_row * lists.layout.columns + page_column;
+            page.add_lists(sums, lists, number, runs)?;
+            page.scan_outline(sums, runs)?;
+        }
+    }
+    Ok(())
+}
+
+/// Adds the texels of every list of `runs` `times` times.
+pub(super) fn count_map(
+    sums: &mut Sums,
+    lists: &BlockLists<'_>,
+    runs: &KeyRuns,
+    times: u64,
+) -> Result<(), QueryError> {
+    for page in 0..lists.layout.count() {
+        for_each_list(lists, page, runs, &mut |place, list| {
+            let texels: u64 = if list.tiles.is_empty() {
+                list.counts.iter().map(|&count| u64::from(count)).sum()
+            } else {
+                list.tiles
+                    .iter()
+                    .map(|tile| u64::from(tile.texels.get()))
+                    .sum()
+            };
+            sums.add_inside(place, texels.saturating_mul(times));
+        })?;
+    }
+    Ok(())
+}
+
+/// Calls `visit` with the place and the blocks of each list of `runs` in page number `page`.
+fn for_each_list(
+    lists: &BlockLists<'_>,
+    page: u32,
+    runs: &KeyRuns,
+    visit: &mut impl FnMut(u32, &BlockList<'_>),
+) -> Result<(), QueryError> {
+    let of_page = lists.lists(page)?;
+    for (start, count, first_place) in runs.iter() {
+        if count == 0 {
+            continue;
+        }
+        let numbers = lists.lists_of_keys(of_page.clone(), start..start.saturating_add(count));
+        for number in numbers {
+            let list = lists.list(number)?;
+            let key = lists.key(number, number - of_page.start);
+            visit(first_place + key.saturating_sub(start).min(count - 1), &list);
+        }
+    }
+    Ok(())
+}
+
+/// The pages, of `count` in a row, that a footprint from `low` to `high` meets.
+fn page_range(low: f64, high: f64, count: u32, unbounded: bool) -> Range<u32> {
+    let page = |texel: f64| libm::floor(texel / f64::from(PAGE_SIDE));
+    let last = f64::from(count) - 1.0;
+    if !unbounded && (high < 0.0 || page(low) > last) {
+        return 0..0;
+    }
+    page(low).clamp(0.0, last) as u32..page(high).clamp(0.0, last) as u32 + 1
+}
+
+/// The rows of tiles of the page in row `page_row` of pages that the rows `rows` of blocks meet.
+fn tile_rows(rows: &Range<u32>, page_row: u32) -> Range<u16> {
+    let first = page_row * PAGE_BLOCKS;
+    let tiles = TILE_SIDE / BLOCK_SIDE;
+    let place = |row: u32| row.saturating_sub(first).min(PAGE_BLOCKS);
+    (place(rows.start) / tiles) as u16..place(rows.end).div_ceil(tiles) as u16
+}
+
+/// A page of the map under the part of a footprint in one tile.
+struct Page<'a> {
+    frame: &'a Frame<'a>,
+    /// Its first texel.
+    corner: [u32; 2],
+    blocks: SquareProbe,
+    tiles: SquareProbe,
+    /// The rows of tiles that may hold weight.
+    tile_rows: Range<u16>,
+    /// Blocks on the outline that hold a wanted key.
+    outline: Marks,
+}
+
+impl Page<'_> {
+    fn add_lists(
+        &mut self,
+        sums: &mut Sums,
+        lists: &BlockLists<'_>,
+        number: u32,
+        runs: &KeyRuns,
+    ) -> Result<(), QueryError> {
+        for_each_list(lists, number, runs, &mut |place, list| {
+            let inside = if self.frame.unbounded {
+                self.unbounded_blocks(list)
+            } else if list.tiles.is_empty() {
+                let range = self.rows_of(list.blocks, |name| name.get() / BLOCK_TEXELS as u16);
+                match (list.blocks.get(range.clone()), list.counts.get(range)) {
+                    (Some(blocks), Some(counts)) => self.blocks(blocks, counts),
+                    _ => 0,
+                }
+            } else {
+                self.tiles(list)
+            };
+            sums.add_inside(place, inside);
+        })
+    }
+
+    /// The part of `records`, in rising order of their tiles, in the rows of tiles that may hold weight.
+    #[inline]
+    fn rows_of<T>(&self, records: &[T], tile: impl Fn(&T) -> u16) -> Range<usize> {
+        if records.len() <= SEARCHED {
+            return 0..records.len();
+        }
+        let before = |row: u16| records.partition_point(|record| tile(record) / PAGE_TILES < row);
+        let start = before(self.tile_rows.start);
+        start..before(self.tile_rows.end).max(start)
+    }
+
+    /// The texels of the tiles of `list` that lie inside, and of the blocks inside of those that do not.
+    fn tiles(&mut self, list: &BlockList<'_>) -> u64 {
+        let range = self.rows_of(list.tiles, |tile| tile.tile.get());
+        let records = list.tiles.get(range.clone()).unwrap_or_default();
+        let mut inside = 0;
+        for (number, record) in (range.start..).zip(records) {
+            let relation = self.tiles.relation(
+                (u32::from(record.tile.get() % PAGE_TILES) * TILE_SIDE + self.corner[0]) as f32,
+                (u32::from(record.tile.get() / PAGE_TILES) * TILE_SIDE + self.corner[1]) as f32,
+            );
+            if relation.inside {
+                inside += u64::from(record.texels.get());
+            } else if relation.crossing {
+                let (blocks, counts) = list.tile(number);
+                inside += self.blocks(blocks, counts);
+            }
+        }
+        inside
+    }
+
+    /// The texels of those of `blocks` that lie inside; marks those that cross the outline.
+    #[inline]
+    fn blocks(&mut self, blocks: &[U16], counts: &[u8]) -> u64 {
+        let mut inside = 0;
+        let (chunks, rest) = blocks.as_chunks::<TOGETHER>();
+        let (count_chunks, count_rest) = counts.as_chunks::<TOGETHER>();
+        for (names, counts) in chunks.iter().zip(count_chunks) {
+            inside += u64::from(self.few_blocks(names, counts));
+        }
+        if !rest.is_empty() {
+            // A count of zero stands for no block: it neither adds nor marks.
+            let mut names = [U16::ZERO; TOGETHER];
+            let mut counts = [0; TOGETHER];
+            for ((name, count), (&stored, &number)) in
+                names.iter_mut().zip(&mut counts).zip(rest.iter().zip(count_rest))
+            {
+                *name = stored;
+                *count = number;
+            }
+            inside += u64::from(self.few_blocks(&names, &counts));
+        }
+        inside
+    }
+
+    #[inline(always)]
+    fn few_blocks(&mut self, names: &[U16; TOGETHER], counts: &[u8; TOGETHER]) -> u32 {
+        let mut inside = 0;
+        let mut crossing = [false; TOGETHER];
+        let mut any = false;
+        let corner = self.corner.map(|corner| corner as f32);
+        for ((name, &count), crossing) in names.iter().zip(counts).zip(&mut crossing) {
+            let (column, row) = block_place(name.get());
+            let relation = self.blocks.relation(
+                (column * BLOCK_SIDE) as f32 + corner[0],
+                (row * BLOCK_SIDE) as f32 + corner[1],
+            );
+            inside += if relation.inside { u32::from(count) } else { 0 };
+            *crossing = relation.crossing & (count > 0);
+            any |= *crossing;
+        }
+        if any {
+            for (name, crossing) in names.iter().zip(crossing) {
+                if crossing {
+                    self.outline.add(name.get());
+                }
+            }
+        }
+        inside
+    }
+
+    /// As [`blocks`](Self::blocks), for a frame whose border has no end.
+    fn unbounded_blocks(&mut self, list: &BlockList<'_>) -> u64 {
+        let mut inside = 0;
+        for (name, &count) in list.blocks.iter().zip(list.counts) {
+            let (column, row) = block_place(name.get());
+            let relation = self.frame.block(
+                column + self.corner[0] / BLOCK_SIDE,
+                row + self.corner[1] / BLOCK_SIDE,
+            );
+            if relation.inside {
+                inside += u64::from(count);
+            } else if relation.crossing {
+                self.outline.add(name.get());
+            }
+        }
+        inside
+    }
+
+    /// Adds the texels of the marked blocks.
+    fn scan_outline(&self, sums: &mut Sums, runs: &KeyRuns) -> Result<(), QueryError> {
+        match self.frame.tables.bin_map.keys {
+            Keys::Narrow(keys) => self.scan_marked(keys, sums, runs),
+            Keys::Wide(keys) => self.scan_marked(keys, sums, runs),
+        }
+    }
+
+    fn scan_marked<K: StoredKey>(
+        &self,
+        keys: &[K],
+        sums: &mut Sums,
+        runs: &KeyRuns,
+    ) -> Result<(), QueryError> {
+        let layout = self.frame.tables.bin_map.layout;
+        let mut space = [K::default(); BLOCK_TEXELS];
+        let mut waiting = [(0, 0); FETCHED];
+        let mut count = 0;
+        let mut hand_out = |waiting: &[(u32, u32)]| {
+            if let KeyLayout::Blocks(layout) = layout {
+                for &(column, row) in waiting {
+                    let block = keys.get(layout.block(column, row)..).unwrap_or_default();
+                    black_box((block.first().copied(), block.get(BLOCK_TEXELS / 2).copied()));
+                }
+            }
+            for &(column, row) in waiting {
+                let block = layout
+                    .block(keys, column, row, &mut space)
+                    .ok_or(missing(self.frame.tables))?;
+                self.frame
+                    .add_crossing_block(sums, runs, block, column, row);
+            }
+            Ok::<(), QueryError>(())
+        };
+        let names = self.tile_rows.start..self.tile_rows.end;
+        for name in self.outline.iter(names) {
+            let (column, row) = block_place(name);
+            if let Some(slot) = waiting.get_mut(count) {
+                *slot = (
+                    column + self.corner[0] / BLOCK_SIDE,
+                    row + self.corner[1] / BLOCK_SIDE,
+                );
+                count += 1;
+            }
+            if count == FETCHED {
+                hand_out(&waiting)?;
+                count = 0;
+            }
+        }
+        hand_out(waiting.get(..count).unwrap_or_default())
+    }
+}
+
+/// A set of blocks of a page.
+struct Marks([u64; MARK_WORDS]);
+
+/// One word a tile: a block's name over 64 is its tile's number.
+const MARK_WORDS: usize = 1 << 10;
+const _: () = assert!(block_name(PAGE_BLOCKS - 1, PAGE_BLOCKS - 1) as usize == MARK_WORDS * 64 - 1);
+
+impl Marks {
+    const fn new() -> Self {
+        Self([0; MARK_WORDS])
+    }
+
+    #[inline]
+    fn add(&mut self, name: u16) {
+        if let Some(word) = self.0.get_mut(usize::from(name >> 6)) {
+            *word |= 1 << (name & 63);
+        }
+    }
+
+    /// The marked blocks in `rows` of tiles, in rising order.
+    fn iter(&self, rows: Range<u16>) -> impl Iterator<Item = u16> {
+        let first = rows.start * PAGE_TILES;
+        let words = usize::from(first)..usize::from(rows.end * PAGE_TILES);
+        let words = self.0.get(words).unwrap_or_default();
+        words.iter().zip(first..).flat_map(|(&word, tile)| {
+            let mut left = word;
+            core::iter::from_fn(move || {
+                let bit = (left != 0).then(|| left.trailing_zeros() as u16)?;
+                left &= left - 1;
+                Some(tile << 6 | bit)
+            })
+        })
+    }
+}

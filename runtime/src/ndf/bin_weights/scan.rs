@@ -1,0 +1,103 @@
+//! Weights from the bin map under the footprint.
+
+use super::frame::Frame;
+use super::keys::StoredKey;
+use super::sums::Sums;
+use super::window::KeyRuns;
+use crate::error::QueryError;
+use crate::scan::Budget;
+use core::hint::black_box;
+use glintbake_format::model::BLOCK_TEXELS;
+use glintbake_format::view::{BinTables, KeyLayout, Keys};
+use glintbake_format::{Fault, Finding};
+
+/// Keys looked at together. Many, since most blocks hold none that is wanted.
+const TOGETHER: usize = 32;
+
+/// Adds the weights of all texels under the footprint of `frame` whose keys are in `runs`.
+pub(super) fn scan(
+    sums: &mut Sums,
+    frame: &Frame<'_>,
+    runs: &KeyRuns,
+    budget: &mut Budget,
+) -> Result<(), QueryError> {
+    match frame.tables.bin_map.keys {
+        Keys::Narrow(keys) => scan_keys(keys, sums, frame, runs, budget),
+        Keys::Wide(keys) => scan_keys(keys, sums, frame, runs, budget),
+    }
+}
+
+fn scan_keys<K: StoredKey>(
+    keys: &[K],
+    sums: &mut Sums,
+    frame: &Frame<'_>,
+    runs: &KeyRuns,
+    budget: &mut Budget,
+) -> Result<(), QueryError> {
+    let layout = frame.tables.bin_map.layout;
+    let mut space = [K::default(); BLOCK_TEXELS];
+    for row in frame.block_rows() {
+        let columns = frame.block_columns(row);
+        budget.spend(columns.len() as u64 * BLOCK_TEXELS as u64)?;
+        if let KeyLayout::Blocks(layout) = layout {
+            // Fetches the blocks all at once: what is loaded here is not waited for, while the branches on each
+            // block's keys are.
+            for column in columns.clone() {
+                let block = keys.get(layout.block(column, row)..).unwrap_or_default();
+                black_box((block.first().copied(), block.get(BLOCK_TEXELS / 2).copied()));
+            }
+        }
+        for column in columns {
+            let relation = frame.block(column, row);
+            if !(relation.inside | relation.crossing) {
+                continue;
+            }
+            let block = layout
+                .block(keys, column, row, &mut space)
+                .ok_or(missing(frame.tables))?;
+            if relation.inside & frame.is_whole(column, row) {
+                count_block(sums, runs, block);
+            } else {
+                frame.add_crossing_block(sums, runs, block, column, row);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Counts the texels of a block that lies inside.
+#[inline]
+pub(super) fn count_block<K: StoredKey>(
+    sums: &mut Sums,
+    runs: &KeyRuns,
+    block: &[K; BLOCK_TEXELS],
+) {
+    for keys in block.as_chunks::<TOGETHER>().0 {
+        if K::any_wanted(keys, runs) {
+            sums.count(&K::places(keys, runs));
+        }
+    }
+}
+
+/// Counts every texel of the map `times` times.
+pub(super) fn count_map(
+    sums: &mut Sums,
+    tables: &BinTables<'_>,
+    runs: &KeyRuns,
+    times: u64,
+) -> Result<(), QueryError> {
+    let shape = super::map_shape(tables);
+    for row in 0..shape.height {
+        for column in 0..shape.width {
+            let key = tables.bin_map.key(column, row).ok_or(missing(tables))?;
+            if let Some(place) = runs.place(key) {
+                sums.add_inside(place, times);
+            }
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn missing(tables: &BinTables<'_>) -> Finding {
+    Finding::new(Fault::PositionRange).within(tables.bin_map.id)
+}
