@@ -5,7 +5,7 @@
 //! bytes (mapped, static or read) ──► Package::open ──► Package::ndf ──► eval / sample / pdf
 //! ```
 //!
-//! - `no_std`, no allocation, no unsafe code; the bytes are used where they lie.
+//! - `no_std`, no allocation, no unsafe code (one call behind the feature `simd`); the bytes are used where they lie.
 //! - Any bytes are safe: opening checks the header and the section table, queries check every bound. Whether the
 //!   *answers* are right is for `glintbake verify` to say.
 //! - Arithmetic is f64 throughout: on a CPU scalar f64 costs what f32 costs, and a half vector in f32 is up to 0.04 %
@@ -14,7 +14,7 @@
 //! Texture space, half vectors and the density's normalisation are defined in [`glintbake_format::model`], which is
 //! re-exported here as [`model`].
 #![no_std]
-#![forbid(unsafe_code)]
+#![cfg_attr(not(feature = "simd"), forbid(unsafe_code))]
 #![deny(missing_docs)]
 #![cfg_attr(
     not(test),
@@ -32,6 +32,7 @@ pub mod ndf;
 mod overlap;
 mod package;
 mod scan;
+mod simd;
 
 pub use error::QueryError;
 pub use glintbake_format::model;
@@ -39,3 +40,4 @@ pub use glintbake_format::records::Instance;
 pub use glintbake_format::{Fault, Finding};
 pub use ndf::{Facet, FlakeBins, Ndf, Setting, SpecularBins, SurfaceNdf};
 pub use package::Package;
+pub use simd::Instructions;

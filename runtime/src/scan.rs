@@ -127,6 +127,7 @@ impl MapShape {
 
     /// Calls `visit` with `footprint` as seen from each tile that it covers in part, and returns the number of those that
     /// lie wholly inside. On a clamped map there is but one tile.
+    #[inline(always)]
     pub fn for_each_copy(
         self,
         footprint: &Parallelogram,

@@ -57,7 +57,13 @@ fn ways(map: &NormalMap, alpha: f64, leaf_size: u32) -> Vec<(Vec<u8>, Lookup)> {
 
 /// Largest difference of any bin's weight, and the sum, by every way to look weights up.
 fn compare(map: &NormalMap, alpha: f64, leaf_size: u32, footprints: &[Footprint], tolerance: f64) {
-    compare_by(&ways(map, alpha, leaf_size), map, alpha, footprints, tolerance);
+    compare_by(
+        &ways(map, alpha, leaf_size),
+        map,
+        alpha,
+        footprints,
+        tolerance,
+    );
 }
 
 fn compare_by(

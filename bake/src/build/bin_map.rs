@@ -143,8 +143,7 @@ pub fn build(map: &NormalMap, grid: BinGrid) -> BinMap {
             (keys, Vec::new())
         }
         IndexKind::Sparse => {
-            let key_of_bin =
-                |bin: u32| occupied.partition_point(|&other| other < bin) as u32;
+            let key_of_bin = |bin: u32| occupied.partition_point(|&other| other < bin) as u32;
             let keys = Keys::new(&bins, layout, width, key_count, key_of_bin);
             (keys, occupied)
         }

@@ -151,9 +151,7 @@ impl Page {
         for (&key, range) in self.keys.iter().zip(self.starts.windows(2)) {
             if key_count.is_some() {
                 let end = lists.end();
-                lists
-                    .starts
-                    .extend((next_key..key).map(|_| end));
+                lists.starts.extend((next_key..key).map(|_| end));
                 next_key = key + 1;
             } else {
                 lists.keys.push(U32::new(key));

@@ -48,9 +48,8 @@ fn check_keys(tables: &BinTables<'_>, report: &mut dyn FnMut(Finding)) {
         };
         if is_on_map(tables, place) {
             if key >= key_count {
-                limited.report(
-                    finding(Fault::KeyRange).values(u64::from(key_count), u64::from(key)),
-                );
+                limited
+                    .report(finding(Fault::KeyRange).values(u64::from(key_count), u64::from(key)));
             }
         } else if key != 0 {
             limited.report(finding(Fault::KeyUnused).values(0, u64::from(key)));

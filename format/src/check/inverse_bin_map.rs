@@ -19,7 +19,9 @@ pub(super) fn check(
     let instance = &tables.instance;
     match inverse.forest {
         Some(nodes) => check_forest(tables, inverse, nodes, report),
-        None if lists(tables, inverse).any(|(_, list)| list.len() > instance.leaf_size as usize) => {
+        None if lists(tables, inverse)
+            .any(|(_, list)| list.len() > instance.leaf_size as usize) =>
+        {
             return Err(Finding::new(Fault::SectionMissing).within(instance.section(FOREST)));
         }
         None => {}

@@ -64,8 +64,7 @@ impl BlockLayout {
 /// blocks of a tile are together, and the tiles of a row of tiles.
 pub const fn block_name(column: u32, row: u32) -> u16 {
     let tile = row / BLOCKS_PER_TILE_SIDE * TILES_PER_PAGE_SIDE + column / BLOCKS_PER_TILE_SIDE;
-    let block =
-        row % BLOCKS_PER_TILE_SIDE * BLOCKS_PER_TILE_SIDE + column % BLOCKS_PER_TILE_SIDE;
+    let block = row % BLOCKS_PER_TILE_SIDE * BLOCKS_PER_TILE_SIDE + column % BLOCKS_PER_TILE_SIDE;
     (tile << 6 | block) as u16
 }
 

@@ -11,7 +11,8 @@ mod normal;
 
 pub use bins::{BinGrid, Binning, Neighbourhood, disk_grid_resolution};
 pub use blocks::{
-    BLOCK_SIDE, BLOCK_TEXELS, BlockLayout, PAGE_SIDE, PageLayout, TILE_SIDE, block_name, block_place,
+    BLOCK_SIDE, BLOCK_TEXELS, BlockLayout, PAGE_SIDE, PageLayout, TILE_SIDE, block_name,
+    block_place,
 };
 pub use footprint::{Filter, Footprint, MAX_EDGE_TILES, Wrap};
 pub use forest::{ForestShape, morton_index};

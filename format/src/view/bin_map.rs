@@ -110,7 +110,7 @@ impl<'a> BinMap<'a> {
 impl KeyLayout {
     /// The 64 keys of block (`column`, `row`) of `keys`, which is in this layout; put together in `space` where they do
     /// not lie together, with zeros beyond the map. `None` if there is no such block.
-    #[inline]
+    #[inline(always)]
     pub fn block<'k, K: Copy + Default>(
         self,
         keys: &'k [K],
@@ -119,26 +119,34 @@ impl KeyLayout {
         space: &'k mut [K; BLOCK_TEXELS],
     ) -> Option<&'k [K; BLOCK_TEXELS]> {
         match self {
-            Self::Blocks(layout) => {
-                let (block, _) = keys.get(layout.block(column, row)..)?.split_first_chunk()?;
-                Some(block)
-            }
+            Self::Blocks(layout) => keys.get(layout.block(column, row)..)?.first_chunk(),
             Self::Rows { width, height } => {
-                let left = column.checked_mul(BLOCK_SIDE)?;
-                let top = row.checked_mul(BLOCK_SIDE)?;
-                let length = BLOCK_SIDE.min(width.checked_sub(left)?) as usize;
-                let rows = BLOCK_SIDE.min(height.checked_sub(top)?) as usize;
-                *space = [K::default(); BLOCK_TEXELS];
-                let (lines, _) = space.as_chunks_mut::<{ BLOCK_SIDE as usize }>();
-                for (line, row) in lines.iter_mut().take(rows).zip(top..) {
-                    let start = row as usize * width as usize + left as usize;
-                    let stored = keys.get(start..start.checked_add(length)?)?;
-                    for (slot, key) in line.iter_mut().zip(stored) {
-                        *slot = *key;
-                    }
-                }
+                put_together(keys, [width, height], [column, row], space)?;
                 Some(space)
             }
         }
     }
+}
+
+/// Puts the keys of block (`column`, `row`) of a map in rows together.
+fn put_together<K: Copy + Default>(
+    keys: &[K],
+    [width, height]: [u32; 2],
+    [column, row]: [u32; 2],
+    space: &mut [K; BLOCK_TEXELS],
+) -> Option<()> {
+    let left = column.checked_mul(BLOCK_SIDE)?;
+    let top = row.checked_mul(BLOCK_SIDE)?;
+    let length = BLOCK_SIDE.min(width.checked_sub(left)?) as usize;
+    let rows = BLOCK_SIDE.min(height.checked_sub(top)?) as usize;
+    *space = [K::default(); BLOCK_TEXELS];
+    let (lines, _) = space.as_chunks_mut::<{ BLOCK_SIDE as usize }>();
+    for (line, row) in lines.iter_mut().take(rows).zip(top..) {
+        let start = row as usize * width as usize + left as usize;
+        let stored = keys.get(start..start.checked_add(length)?)?;
+        for (slot, key) in line.iter_mut().zip(stored) {
+            *slot = *key;
+        }
+    }
+    Some(())
 }

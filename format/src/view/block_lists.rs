@@ -50,7 +50,11 @@ impl<'a> BlockLists<'a> {
         let tiles = instance.section(LIST_TILES);
         let keys = instance.section(LIST_KEYS);
         // Also refuses a section without even the record that ends the last list.
-        expect_count(instance.section(LISTS), list_count.saturating_add(1), starts.len())?;
+        expect_count(
+            instance.section(LISTS),
+            list_count.saturating_add(1),
+            starts.len(),
+        )?;
         Ok(Self {
             id: instance.section(LISTS),
             layout,
@@ -60,7 +64,11 @@ impl<'a> BlockLists<'a> {
                 None => {
                     let expected =
                         (instance.key_count as usize).saturating_mul(layout.count() as usize);
-                    expect_count(instance.section(LISTS), expected.saturating_add(1), starts.len())?;
+                    expect_count(
+                        instance.section(LISTS),
+                        expected.saturating_add(1),
+                        starts.len(),
+                    )?;
                     None
                 }
             },
@@ -84,7 +92,11 @@ impl<'a> BlockLists<'a> {
             let end = first.checked_add(record.list_count.get())?;
             ((end as usize) < self.starts.len()).then_some(first..end)
         });
-        range.ok_or(Finding::new(Fault::ListOrder).within(self.id).at(u64::from(page)))
+        range.ok_or(
+            Finding::new(Fault::ListOrder)
+                .within(self.id)
+                .at(u64::from(page)),
+        )
     }
 
     /// The key of list number `list`, which is the `place`-th of its page.
@@ -167,7 +179,11 @@ impl<'a> BlockLists<'a> {
 
     /// Where the last list ends: as many blocks and tiles as the sections hold, if all is well.
     pub(crate) fn end(&self) -> (Option<ListStart>, usize, usize) {
-        (self.starts.last().copied(), self.blocks.len(), self.tiles.len())
+        (
+            self.starts.last().copied(),
+            self.blocks.len(),
+            self.tiles.len(),
+        )
     }
 }
 

@@ -5,12 +5,13 @@
 //! texels under the footprint (eq. 11).
 
 use super::bin_weights::{
-    BinWindow, Lookup, bin_weights, check_finite, map_shape, parallelogram, texel_under,
+    BinWindow, How, Lookup, bin_weights, check_finite, map_shape, parallelogram, texel_under,
 };
 use super::{Facet, Ndf};
 use crate::error::QueryError;
 use crate::microfacet::beckmann;
 use crate::overlap::Parallelogram;
+use crate::simd::Instructions;
 use glintbake_format::model::{Footprint, HalfVector, Neighbourhood};
 use glintbake_format::records::{EXACT_NORMALS, Instance};
 use glintbake_format::view::{BinTables, ExactNormals};
@@ -50,7 +51,7 @@ pub struct FlakeBins<'a> {
     exact: Option<ExactNormals<'a>>,
     roughness: f64,
     setting: Setting,
-    lookup: Lookup,
+    how: How,
 }
 
 impl<'a> FlakeBins<'a> {
@@ -67,7 +68,7 @@ impl<'a> FlakeBins<'a> {
             exact: find_exact_normals(container, instance)?,
             roughness,
             setting: Setting::default(),
-            lookup: Lookup::Auto,
+            how: How::default(),
         })
     }
 
@@ -86,7 +87,14 @@ impl<'a> FlakeBins<'a> {
     /// The same P-NDF, its bin weights found by `lookup`; every choice gives the same weights within rounding.
     #[must_use]
     pub fn with_lookup(mut self, lookup: Lookup) -> Self {
-        self.lookup = lookup;
+        self.how.lookup = lookup;
+        self
+    }
+
+    /// The same P-NDF, its bin weights found with `instructions`; every choice gives the same bits.
+    #[must_use]
+    pub fn with_instructions(mut self, instructions: Instructions) -> Self {
+        self.how.instructions = instructions;
         self
     }
 
@@ -129,7 +137,7 @@ impl<'a> FlakeBins<'a> {
             &self.tables,
             footprint,
             window,
-            self.lookup,
+            self.how,
             &mut |column, row, weight| visit(column, row, weight),
         )
     }

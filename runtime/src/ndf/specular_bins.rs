@@ -4,9 +4,7 @@
 //! Microstructure", 2020. `D(h) = Σ |A ∩ T_k| / (|H| |A|)` over the texels whose normal shares h's bin H (§2):
 //! the true density averaged over that bin.
 
-use super::bin_weights::{
-    BinWindow, Lookup, bin_weights, check_finite, parallelogram, texel_under,
-};
+use super::bin_weights::{BinWindow, How, bin_weights, check_finite, parallelogram, texel_under};
 use super::{Facet, Ndf};
 use crate::error::QueryError;
 use glintbake_format::Container;
@@ -59,7 +57,7 @@ impl Ndf for SpecularBins<'_> {
             &self.tables,
             &footprint,
             window,
-            Lookup::Auto,
+            How::default(),
             &mut |_, _, weight| {
                 visit(Facet {
                     normal: half_vector.direction(),

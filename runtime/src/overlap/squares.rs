@@ -39,13 +39,11 @@ impl SquareProbe {
             edges: [footprint.edge_1, footprint.edge_2].map(|edge| edge.map(|x| x as f32)),
             outside: [0.0; 2],
             inside: [0.0; 2],
-            extent: [
-                (x + half + error[0]) as f32,
-                (y + half + error[1]) as f32,
-            ],
+            extent: [(x + half + error[0]) as f32, (y + half + error[1]) as f32],
         };
         let edges = [footprint.edge_1, footprint.edge_2];
-        for ((outside, inside), edge) in probe.outside.iter_mut().zip(&mut probe.inside).zip(edges) {
+        for ((outside, inside), edge) in probe.outside.iter_mut().zip(&mut probe.inside).zip(edges)
+        {
             let [across, down] = edge.map(f64::abs);
             let square = half * (across + down);
             // The distance itself is rounded relative to its two products.
@@ -90,7 +88,10 @@ mod tests {
             let length = libm::exp(f64::from(number % 40) * 0.2 - 2.0);
             let thin = libm::exp(-f64::from(number % 7));
             let footprint = Footprint {
-                centre: [f64::from(number) * 0.618_034 % 1.0, f64::from(number) * 0.414 % 1.0],
+                centre: [
+                    f64::from(number) * 0.618_034 % 1.0,
+                    f64::from(number) * 0.414 % 1.0,
+                ],
                 edge_1: [
                     length * libm::cos(turn) / 2048.0,
                     length * libm::sin(turn) / 2048.0,

@@ -6,7 +6,8 @@ use super::scan::missing;
 use super::sums::Sums;
 use super::window::KeyRuns;
 use crate::error::QueryError;
-use crate::overlap::SquareProbe;
+use crate::overlap::{SquareProbe, TexelBox};
+use crate::simd::Work;
 use core::hint::black_box;
 use core::ops::Range;
 use glintbake_format::model::{
@@ -26,38 +27,49 @@ const PAGE_BLOCKS: u32 = PAGE_SIDE / BLOCK_SIDE;
 /// Tiles in a row of a page.
 const PAGE_TILES: u16 = (PAGE_SIDE / TILE_SIDE) as u16;
 
-/// Adds the weights of all texels under the footprint of `frame` whose keys are in `runs`.
-pub(super) fn traverse(
-    sums: &mut Sums,
-    frame: &Frame<'_>,
-    lists: &BlockLists<'_>,
-    runs: &KeyRuns,
-) -> Result<(), QueryError> {
-    let rows = frame.block_rows();
-    let bounds = frame.footprint.bounds();
-    let page_rows = page_range(bounds.low[1], bounds.high[1], lists.layout.rows, frame.unbounded);
-    for page_row in page_rows {
-        let columns = page_range(
-            bounds.low[0],
-            bounds.high[0],
-            lists.layout.columns,
-            frame.unbounded,
-        );
-        for page_column in columns {
-            let mut page = Page {
-                frame,
-                corner: [page_column * PAGE_SIDE, page_row * PAGE_SIDE],
-                blocks: frame.squares(f64::from(BLOCK_SIDE)),
-                tiles: frame.squares(f64::from(TILE_SIDE)),
-                tile_rows: tile_rows(&rows, page_row),
-                outline: Marks::new(),
-            };
-            let number = page_row * lists.layout.columns + page_column;
-            page.add_lists(sums, lists, number, runs)?;
-            page.scan_outline(sums, runs)?;
+/// Adds the weights of all texels under the footprint of `frame` whose keys are in `runs` to `sums`.
+pub(super) struct Traversal<'t> {
+    pub sums: &'t mut Sums,
+    pub frame: &'t Frame<'t>,
+    pub lists: &'t BlockLists<'t>,
+    pub runs: &'t KeyRuns,
+}
+
+impl Work for Traversal<'_> {
+    type Output = Result<(), QueryError>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Self {
+            sums,
+            frame,
+            lists,
+            runs,
+        } = self;
+        let rows = frame.block_rows();
+        let TexelBox { low, high } = frame.footprint.bounds();
+        let unbounded = frame.unbounded;
+        let page_columns = page_range(low[0], high[0], lists.layout.columns, unbounded);
+        for page_row in page_range(low[1], high[1], lists.layout.rows, unbounded) {
+            for page_column in page_columns.clone() {
+                let mut page = Page {
+                    frame,
+                    corner: [page_column * PAGE_SIDE, page_row * PAGE_SIDE],
+                    blocks: frame.squares(f64::from(BLOCK_SIDE)),
+                    tiles: frame.squares(f64::from(TILE_SIDE)),
+                    tile_rows: tile_rows(&rows, page_row),
+                    outline: Marks::new(),
+                };
+                let number = page_row * lists.layout.columns + page_column;
+                let mut window = WindowLists::new(lists, number, runs)?;
+                while let Some((place, list)) = window.next()? {
+                    page.add_list(sums, place, &list);
+                }
+                page.scan_outline(sums, runs)?;
+            }
         }
+        Ok(())
     }
-    Ok(())
 }
 
 /// Adds the texels of every list of `runs` `times` times.
@@ -68,7 +80,8 @@ pub(super) fn count_map(
     times: u64,
 ) -> Result<(), QueryError> {
     for page in 0..lists.layout.count() {
-        for_each_list(lists, page, runs, &mut |place, list| {
+        let mut window = WindowLists::new(lists, page, runs)?;
+        while let Some((place, list)) = window.next()? {
             let texels: u64 = if list.tiles.is_empty() {
                 list.counts.iter().map(|&count| u64::from(count)).sum()
             } else {
@@ -78,31 +91,72 @@ pub(super) fn count_map(
                     .sum()
             };
             sums.add_inside(place, texels.saturating_mul(times));
-        })?;
+        }
     }
     Ok(())
 }
 
-/// Calls `visit` with the place and the blocks of each list of `runs` in page number `page`.
-fn for_each_list(
-    lists: &BlockLists<'_>,
-    page: u32,
-    runs: &KeyRuns,
-    visit: &mut impl FnMut(u32, &BlockList<'_>),
-) -> Result<(), QueryError> {
-    let of_page = lists.lists(page)?;
-    for (start, count, first_place) in runs.iter() {
-        if count == 0 {
-            continue;
+/// The lists of a window in one page, with the places of their keys.
+struct WindowLists<'w> {
+    lists: &'w BlockLists<'w>,
+    of_page: Range<u32>,
+    runs: &'w KeyRuns,
+    /// Number of the next run.
+    next_run: usize,
+    /// Lists of the run before it.
+    numbers: Range<u32>,
+    start: u32,
+    count: u32,
+    first_place: u32,
+}
+
+impl<'w> WindowLists<'w> {
+    fn new(lists: &'w BlockLists<'w>, page: u32, runs: &'w KeyRuns) -> Result<Self, QueryError> {
+        let of_page = lists.lists(page)?;
+        // Fetches the runs' starts all at once.
+        for (start, count, _) in runs.iter() {
+            if count > 0 {
+                let numbers =
+                    lists.lists_of_keys(of_page.clone(), start..start.saturating_add(count));
+                black_box(lists.sizes(numbers));
+            }
         }
-        let numbers = lists.lists_of_keys(of_page.clone(), start..start.saturating_add(count));
-        for number in numbers {
-            let list = lists.list(number)?;
-            let key = lists.key(number, number - of_page.start);
-            visit(first_place + key.saturating_sub(start).min(count - 1), &list);
+        Ok(Self {
+            lists,
+            of_page,
+            runs,
+            next_run: 0,
+            numbers: 0..0,
+            start: 0,
+            count: 0,
+            first_place: 0,
+        })
+    }
+
+    /// The next list that is not empty, and its place.
+    #[inline(always)]
+    fn next(&mut self) -> Result<Option<(u32, BlockList<'w>)>, QueryError> {
+        loop {
+            if let Some(number) = self.numbers.next() {
+                let list = self.lists.list(number)?;
+                if !list.blocks.is_empty() {
+                    let key = self.lists.key(number, number - self.of_page.start);
+                    let within = key.saturating_sub(self.start).min(self.count - 1);
+                    return Ok(Some((self.first_place + within, list)));
+                }
+                continue;
+            }
+            let Some((start, count, place)) = self.runs.get(self.next_run) else {
+                return Ok(None);
+            };
+            self.next_run += 1;
+            if count > 0 {
+                (self.start, self.count, self.first_place) = (start, count, place);
+                let keys = start..start.saturating_add(count);
+                self.numbers = self.lists.lists_of_keys(self.of_page.clone(), keys);
+            }
         }
     }
-    Ok(())
 }
 
 /// The pages, of `count` in a row, that a footprint from `low` to `high` meets.
@@ -137,31 +191,24 @@ struct Page<'a> {
 }
 
 impl Page<'_> {
-    fn add_lists(
-        &mut self,
-        sums: &mut Sums,
-        lists: &BlockLists<'_>,
-        number: u32,
-        runs: &KeyRuns,
-    ) -> Result<(), QueryError> {
-        for_each_list(lists, number, runs, &mut |place, list| {
-            let inside = if self.frame.unbounded {
-                self.unbounded_blocks(list)
-            } else if list.tiles.is_empty() {
-                let range = self.rows_of(list.blocks, |name| name.get() / BLOCK_TEXELS as u16);
-                match (list.blocks.get(range.clone()), list.counts.get(range)) {
-                    (Some(blocks), Some(counts)) => self.blocks(blocks, counts),
-                    _ => 0,
-                }
-            } else {
-                self.tiles(list)
-            };
-            sums.add_inside(place, inside);
-        })
+    #[inline(always)]
+    fn add_list(&mut self, sums: &mut Sums, place: u32, list: &BlockList<'_>) {
+        let inside = if self.frame.unbounded {
+            self.unbounded_blocks(list)
+        } else if list.tiles.is_empty() {
+            let range = self.rows_of(list.blocks, |name| name.get() / BLOCK_TEXELS as u16);
+            match (list.blocks.get(range.clone()), list.counts.get(range)) {
+                (Some(blocks), Some(counts)) => self.blocks(blocks, counts),
+                _ => 0,
+            }
+        } else {
+            self.tiles(list)
+        };
+        sums.add_inside(place, inside);
     }
 
     /// The part of `records`, in rising order of their tiles, in the rows of tiles that may hold weight.
-    #[inline]
+    #[inline(always)]
     fn rows_of<T>(&self, records: &[T], tile: impl Fn(&T) -> u16) -> Range<usize> {
         if records.len() <= SEARCHED {
             return 0..records.len();
@@ -172,6 +219,7 @@ impl Page<'_> {
     }
 
     /// The texels of the tiles of `list` that lie inside, and of the blocks inside of those that do not.
+    #[inline(always)]
     fn tiles(&mut self, list: &BlockList<'_>) -> u64 {
         let range = self.rows_of(list.tiles, |tile| tile.tile.get());
         let records = list.tiles.get(range.clone()).unwrap_or_default();
@@ -192,7 +240,7 @@ impl Page<'_> {
     }
 
     /// The texels of those of `blocks` that lie inside; marks those that cross the outline.
-    #[inline]
+    #[inline(always)]
     fn blocks(&mut self, blocks: &[U16], counts: &[u8]) -> u64 {
         let mut inside = 0;
         let (chunks, rest) = blocks.as_chunks::<TOGETHER>();
@@ -204,8 +252,10 @@ impl Page<'_> {
             // A count of zero stands for no block: it neither adds nor marks.
             let mut names = [U16::ZERO; TOGETHER];
             let mut counts = [0; TOGETHER];
-            for ((name, count), (&stored, &number)) in
-                names.iter_mut().zip(&mut counts).zip(rest.iter().zip(count_rest))
+            for ((name, count), (&stored, &number)) in names
+                .iter_mut()
+                .zip(&mut counts)
+                .zip(rest.iter().zip(count_rest))
             {
                 *name = stored;
                 *count = number;
@@ -260,6 +310,7 @@ impl Page<'_> {
     }
 
     /// Adds the texels of the marked blocks.
+    #[inline(always)]
     fn scan_outline(&self, sums: &mut Sums, runs: &KeyRuns) -> Result<(), QueryError> {
         match self.frame.tables.bin_map.keys {
             Keys::Narrow(keys) => self.scan_marked(keys, sums, runs),
@@ -267,6 +318,7 @@ impl Page<'_> {
         }
     }
 
+    #[inline(always)]
     fn scan_marked<K: StoredKey>(
         &self,
         keys: &[K],
@@ -275,9 +327,22 @@ impl Page<'_> {
     ) -> Result<(), QueryError> {
         let layout = self.frame.tables.bin_map.layout;
         let mut space = [K::default(); BLOCK_TEXELS];
-        let mut waiting = [(0, 0); FETCHED];
-        let mut count = 0;
-        let mut hand_out = |waiting: &[(u32, u32)]| {
+        let mut marked = self.outline.iter(self.tile_rows.clone());
+        loop {
+            let mut waiting = [(0, 0); FETCHED];
+            let mut count = 0;
+            for (slot, name) in waiting.iter_mut().zip(&mut marked) {
+                let (column, row) = block_place(name);
+                *slot = (
+                    column + self.corner[0] / BLOCK_SIDE,
+                    row + self.corner[1] / BLOCK_SIDE,
+                );
+                count += 1;
+            }
+            let waiting = waiting.get(..count).unwrap_or_default();
+            if waiting.is_empty() {
+                return Ok(());
+            }
             if let KeyLayout::Blocks(layout) = layout {
                 for &(column, row) in waiting {
                     let block = keys.get(layout.block(column, row)..).unwrap_or_default();
@@ -291,24 +356,7 @@ impl Page<'_> {
                 self.frame
                     .add_crossing_block(sums, runs, block, column, row);
             }
-            Ok::<(), QueryError>(())
-        };
-        let names = self.tile_rows.start..self.tile_rows.end;
-        for name in self.outline.iter(names) {
-            let (column, row) = block_place(name);
-            if let Some(slot) = waiting.get_mut(count) {
-                *slot = (
-                    column + self.corner[0] / BLOCK_SIDE,
-                    row + self.corner[1] / BLOCK_SIDE,
-                );
-                count += 1;
-            }
-            if count == FETCHED {
-                hand_out(&waiting)?;
-                count = 0;
-            }
         }
-        hand_out(waiting.get(..count).unwrap_or_default())
     }
 }
 

@@ -10,6 +10,8 @@ use glintbake_format::model::{BLOCK_SIDE, BLOCK_TEXELS, BlockLayout, Wrap};
 use glintbake_format::view::BinTables;
 
 const SIDE: f64 = BLOCK_SIDE as f64;
+/// Texels in a row of a block.
+const LINE: usize = BLOCK_SIDE as usize;
 
 /// The part of a footprint in one tile of the map; all of it if the map is clamped.
 pub(super) struct Frame<'a> {
@@ -19,6 +21,7 @@ pub(super) struct Frame<'a> {
     pub blocks: BlockLayout,
     probe: Probe<'a>,
     block_probe: SquareProbe,
+    texel_probe: SquareProbe,
     /// Whether the footprint reaches beyond the border of a clamped map, whose border texels then have no end.
     pub unbounded: bool,
 }
@@ -38,6 +41,7 @@ impl<'a> Frame<'a> {
             blocks: BlockLayout::new(shape.width, shape.height),
             probe: Probe::new(footprint, outline),
             block_probe: SquareProbe::new(footprint, SIDE, reach),
+            texel_probe: SquareProbe::new(footprint, 1.0, reach),
             unbounded: shape.wrap == Wrap::Clamp && !shape.holds(footprint),
         }
     }
@@ -45,7 +49,11 @@ impl<'a> Frame<'a> {
     /// Tests of squares of `side` texels, for a frame that is not unbounded.
     pub fn squares(&self, side: f64) -> SquareProbe {
         let shape = map_shape(self.tables);
-        SquareProbe::new(self.footprint, side, f64::from(shape.width.max(shape.height)))
+        SquareProbe::new(
+            self.footprint,
+            side,
+            f64::from(shape.width.max(shape.height)),
+        )
     }
 
     /// The rows of blocks that may hold weight.
@@ -71,7 +79,10 @@ impl<'a> Frame<'a> {
                     return 0..0;
                 }
                 // Back to texels, to be rounded down again; from the last block's middle.
-                [touched.start as f64 * SIDE, (touched.end as f64 - 0.5) * SIDE]
+                [
+                    touched.start as f64 * SIDE,
+                    (touched.end as f64 - 0.5) * SIDE,
+                ]
             }
         };
         if low > high {
@@ -138,6 +149,7 @@ impl<'a> Frame<'a> {
 
     /// Adds the texels of block (`column`, `row`), which crosses the footprint's outline and has the keys `keys`, to
     /// the sums of their places.
+    #[inline(always)]
     pub fn add_crossing_block<K: StoredKey>(
         &self,
         sums: &mut Sums,
@@ -147,13 +159,44 @@ impl<'a> Frame<'a> {
         row: u32,
     ) {
         let (left, top) = (column * BLOCK_SIDE, row * BLOCK_SIDE);
-        for (keys, row) in keys.as_chunks::<{ BLOCK_SIDE as usize }>().0.iter().zip(top..) {
-            if row >= self.tables.instance.height || !K::any_wanted(keys, runs) {
+        let (width, height) = (self.tables.instance.width, self.tables.instance.height);
+        let slow = self.unbounded | !self.is_whole(column, row);
+        for (keys, row) in keys.as_chunks::<LINE>().0.iter().zip(top..) {
+            if row >= height || !K::any_wanted(keys, runs) {
                 continue;
             }
-            for (&place, column) in K::places(keys, runs).iter().zip(left..) {
-                if place != ELSEWHERE && column < self.tables.instance.width {
-                    self.add_texel(sums, u32::from(place), column, row);
+            let mut places = K::places(keys, runs);
+            if slow {
+                for (&place, column) in places.iter().zip(left..width) {
+                    if place != ELSEWHERE {
+                        self.add_texel(sums, u32::from(place), column, row);
+                    }
+                }
+                continue;
+            }
+            // Texels inside are counted together; those on the outline, few, are weighed one by one.
+            let mut crossing = [ELSEWHERE; LINE];
+            let mut any_inside = false;
+            let mut any_crossing = false;
+            for ((place, crossing), column) in places.iter_mut().zip(&mut crossing).zip(left..) {
+                let relation = self.texel_probe.relation(column as f32, row as f32);
+                if relation.crossing {
+                    *crossing = *place;
+                }
+                if !relation.inside {
+                    *place = ELSEWHERE;
+                }
+                any_inside |= *place != ELSEWHERE;
+                any_crossing |= *crossing != ELSEWHERE;
+            }
+            if any_inside {
+                sums.count(&places);
+            }
+            if any_crossing {
+                for (&place, column) in crossing.iter().zip(left..) {
+                    if place != ELSEWHERE {
+                        self.add_texel(sums, u32::from(place), column, row);
+                    }
                 }
             }
         }

@@ -33,10 +33,14 @@ impl StoredKey for U16 {
     #[inline(always)]
     fn places<const N: usize>(keys: &[Self; N], runs: &KeyRuns) -> [u16; N] {
         if let Some(lattice) = runs.lattice {
-            return keys.map(|key| lattice.place(key.get(), ELSEWHERE));
+            let mut places = [ELSEWHERE; N];
+            for (place, key) in places.iter_mut().zip(keys) {
+                *place = lattice.place(key.get(), ELSEWHERE);
+            }
+            return places;
         }
         // At most one run holds a key, so what they say can be put together bit by bit.
-        let mut places = [0; N];
+        let mut places = [0_u16; N];
         for ((&start, &count), &first) in runs.starts.iter().zip(&runs.counts).zip(&runs.places) {
             let Ok(start) = u16::try_from(start) else {
                 continue;
@@ -50,7 +54,10 @@ impl StoredKey for U16 {
                 };
             }
         }
-        places.map(|place: u16| place.wrapping_sub(1))
+        for place in &mut places {
+            *place = place.wrapping_sub(1);
+        }
+        places
     }
 }
 
@@ -64,22 +71,29 @@ impl StoredKey for U32 {
 
     #[inline(always)]
     fn places<const N: usize>(keys: &[Self; N], runs: &KeyRuns) -> [u16; N] {
-        let mut places = [0; N];
+        let mut places = [0_u16; N];
         for ((&start, &count), &first) in runs.starts.iter().zip(&runs.counts).zip(&runs.places) {
             for (place, key) in places.iter_mut().zip(keys) {
                 let offset = key.get().wrapping_sub(start);
                 *place |= if offset < count {
-                    first + offset + 1
+                    (first + offset + 1) as u16
                 } else {
                     0
                 };
             }
         }
-        places.map(|place: u32| place.wrapping_sub(1) as u16)
+        for place in &mut places {
+            *place = place.wrapping_sub(1);
+        }
+        places
     }
 }
 
 #[inline(always)]
 fn any<K: Copy, const N: usize>(keys: &[K; N], wanted: impl Fn(K) -> bool) -> bool {
-    keys.iter().fold(false, |any, &key| any | wanted(key))
+    let mut any = false;
+    for &key in keys {
+        any |= wanted(key);
+    }
+    any
 }

@@ -18,6 +18,7 @@ pub(crate) use window::BinWindow;
 use crate::error::QueryError;
 use crate::overlap::{Outline, Parallelogram};
 use crate::scan::{Budget, MapShape};
+use crate::simd::Instructions;
 use frame::Frame;
 use glintbake_format::model::{Footprint, HalfVector};
 use glintbake_format::records::LISTS;
@@ -37,6 +38,13 @@ pub enum Lookup {
     Lists,
 }
 
+/// How a query goes about it; the answer is the same.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct How {
+    pub lookup: Lookup,
+    pub instructions: Instructions,
+}
+
 /// Calls `visit(column, row, weight)` for the bins of `window` that have weight over `footprint`.
 ///
 /// # Errors
@@ -46,24 +54,14 @@ pub(crate) fn bin_weights(
     tables: &BinTables<'_>,
     footprint: &Parallelogram,
     window: BinWindow,
-    lookup: Lookup,
+    how: How,
     visit: &mut impl FnMut(u32, u32, f64),
 ) -> Result<(), QueryError> {
     let grid = tables.instance.grid;
     let Some(runs) = KeyRuns::new(window, grid, &tables.index) else {
         return Ok(());
     };
-    let by_lists = match lookup {
-        Lookup::Auto => cost::lists_are_cheaper(tables, footprint, &runs)?,
-        Lookup::Scan => false,
-        Lookup::Lists => true,
-    };
-    let mut sums = Sums::new();
-    if by_lists {
-        look_up(&mut sums, tables, footprint, &runs)?;
-    } else {
-        scan_tiles(&mut sums, tables, footprint, &runs)?;
-    }
+    let sums = find_sums(tables, footprint, &runs, how)?;
     let weights = sums.weights(footprint);
     for (start, count, place) in runs.iter() {
         let weights = weights.iter().skip(place as usize).take(count as usize);
@@ -80,18 +78,45 @@ pub(crate) fn bin_weights(
     Ok(())
 }
 
+/// What is found of the keys of `runs` under `footprint`.
+fn find_sums(
+    tables: &BinTables<'_>,
+    footprint: &Parallelogram,
+    runs: &KeyRuns,
+    how: How,
+) -> Result<Sums, QueryError> {
+    let by_lists = match how.lookup {
+        Lookup::Auto => cost::lists_are_cheaper(tables, footprint, runs)?,
+        Lookup::Scan => false,
+        Lookup::Lists => true,
+    };
+    let mut sums = Sums::new();
+    if by_lists {
+        look_up(&mut sums, tables, footprint, runs, how.instructions)?;
+    } else {
+        scan_tiles(&mut sums, tables, footprint, runs, how.instructions)?;
+    }
+    Ok(sums)
+}
+
 fn scan_tiles(
     sums: &mut Sums,
     tables: &BinTables<'_>,
     footprint: &Parallelogram,
     runs: &KeyRuns,
+    instructions: Instructions,
 ) -> Result<(), QueryError> {
     let shape = map_shape(tables);
     let outline = Outline::new(footprint);
     let mut budget = Budget::new(shape);
     let whole_tiles = shape.for_each_copy(footprint, &mut |tile| {
         let frame = Frame::new(tables, tile, outline.as_ref());
-        scan::scan(sums, &frame, runs, &mut budget)
+        instructions.run(scan::Scan {
+            sums,
+            frame: &frame,
+            runs,
+            budget: &mut budget,
+        })
     })?;
     if whole_tiles > 0 {
         scan::count_map(sums, tables, runs, whole_tiles)?;
@@ -104,6 +129,7 @@ fn look_up(
     tables: &BinTables<'_>,
     footprint: &Parallelogram,
     runs: &KeyRuns,
+    instructions: Instructions,
 ) -> Result<(), QueryError> {
     let shape = map_shape(tables);
     let outline = Outline::new(footprint);
@@ -112,7 +138,12 @@ fn look_up(
         Inverse::Tiles(lists) => {
             let whole_tiles = shape.for_each_copy(footprint, &mut |tile| {
                 let frame = Frame::new(tables, tile, outline);
-                block_lists::traverse(sums, &frame, lists, runs)
+                instructions.run(block_lists::Traversal {
+                    sums,
+                    frame: &frame,
+                    lists,
+                    runs,
+                })
             })?;
             if whole_tiles > 0 {
                 block_lists::count_map(sums, lists, runs, whole_tiles)?;

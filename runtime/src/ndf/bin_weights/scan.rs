@@ -6,6 +6,7 @@ use super::sums::Sums;
 use super::window::KeyRuns;
 use crate::error::QueryError;
 use crate::scan::Budget;
+use crate::simd::Work;
 use core::hint::black_box;
 use glintbake_format::model::BLOCK_TEXELS;
 use glintbake_format::view::{BinTables, KeyLayout, Keys};
@@ -14,19 +15,27 @@ use glintbake_format::{Fault, Finding};
 /// Keys looked at together. Many, since most blocks hold none that is wanted.
 const TOGETHER: usize = 32;
 
-/// Adds the weights of all texels under the footprint of `frame` whose keys are in `runs`.
-pub(super) fn scan(
-    sums: &mut Sums,
-    frame: &Frame<'_>,
-    runs: &KeyRuns,
-    budget: &mut Budget,
-) -> Result<(), QueryError> {
-    match frame.tables.bin_map.keys {
-        Keys::Narrow(keys) => scan_keys(keys, sums, frame, runs, budget),
-        Keys::Wide(keys) => scan_keys(keys, sums, frame, runs, budget),
+/// Adds the weights of all texels under the footprint of `frame` whose keys are in `runs` to `sums`.
+pub(super) struct Scan<'s> {
+    pub sums: &'s mut Sums,
+    pub frame: &'s Frame<'s>,
+    pub runs: &'s KeyRuns,
+    pub budget: &'s mut Budget,
+}
+
+impl Work for Scan<'_> {
+    type Output = Result<(), QueryError>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        match self.frame.tables.bin_map.keys {
+            Keys::Narrow(keys) => scan_keys(keys, self.sums, self.frame, self.runs, self.budget),
+            Keys::Wide(keys) => scan_keys(keys, self.sums, self.frame, self.runs, self.budget),
+        }
     }
 }
 
+#[inline(always)]
 fn scan_keys<K: StoredKey>(
     keys: &[K],
     sums: &mut Sums,
@@ -66,7 +75,7 @@ fn scan_keys<K: StoredKey>(
 }
 
 /// Counts the texels of a block that lies inside.
-#[inline]
+#[inline(always)]
 pub(super) fn count_block<K: StoredKey>(
     sums: &mut Sums,
     runs: &KeyRuns,

@@ -91,7 +91,7 @@ impl Lattice {
     /// The quotient by the reciprocal is right or, for large remainders, one too large; then the remainder wraps
     /// around and is out of the window as it should be. A window's own keys are less than `7 stride` from `base`
     /// with a remainder of at most 6 out of 8 or more, far from that.
-    #[inline]
+    #[inline(always)]
     fn cell(self, key: u16) -> (u16, u16) {
         let distance = key.wrapping_sub(self.base);
         let row = ((u32::from(distance) * u32::from(self.reciprocal)) >> 16) as u16;
@@ -99,14 +99,14 @@ impl Lattice {
     }
 
     /// Whether `key` is of a bin in the window's square, corners included.
-    #[inline]
+    #[inline(always)]
     pub fn holds(self, key: u16) -> bool {
         let (row, column) = self.cell(key);
         (row < self.rows) & (column < self.columns)
     }
 
     /// The place of `key`, or `elsewhere`.
-    #[inline]
+    #[inline(always)]
     pub fn place(self, key: u16, elsewhere: u16) -> u16 {
         let (row, column) = self.cell(key);
         let place = row.wrapping_mul(WINDOW as u16).wrapping_add(column);
@@ -183,6 +183,18 @@ impl KeyRuns {
         self.iter()
             .find(|&(start, count, _)| key.wrapping_sub(start) < count)
             .map(|(start, _, place)| place + (key - start))
+    }
+
+    /// First key, number of keys and first place of run number `run`.
+    pub fn get(&self, run: usize) -> Option<(u32, u32, u32)> {
+        match (
+            self.starts.get(run),
+            self.counts.get(run),
+            self.places.get(run),
+        ) {
+            (Some(&start), Some(&count), Some(&place)) => Some((start, count, place)),
+            _ => None,
+        }
     }
 
     /// First key, number of keys and first place of each run.

@@ -76,6 +76,11 @@ impl Lists {
         Ok(lists)
     }
 
+    /// The numbers of texels of the lists.
+    pub fn lengths(&self) -> impl Iterator<Item = u32> {
+        self.as_slice().iter().map(|list| list.end - list.start)
+    }
+
     fn as_slice(&self) -> &[List] {
         self.lists.get(..self.count).unwrap_or_default()
     }

@@ -1,0 +1,78 @@
+//! Vector instructions, chosen at run time. With the feature `simd`, the one module with unsafe code.
+//!
+//! There is no second implementation behind it: the same safe code is compiled once for every processor of the target
+//! and once more for those with wider vectors, and runs in whichever form the processor has. As neither form fuses or
+//! reorders a floating-point operation, both give the same bits.
+
+/// Which instructions a query may use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Instructions {
+    /// The widest vectors the processor has, with the feature `simd` on x86-64; else as [`Self::Portable`].
+    #[default]
+    Fastest,
+    /// Those that every processor of the target has.
+    Portable,
+}
+
+impl Instructions {
+    /// What queries really use on this processor: `avx2` or `portable`.
+    pub fn name(self) -> &'static str {
+        match self {
+            #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+            Self::Fastest if wide::are_available() => "avx2",
+            _ => "portable",
+        }
+    }
+
+    /// Does `work` with these instructions.
+    #[inline(always)]
+    pub(crate) fn run<W: Work>(self, work: W) -> W::Output {
+        #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+        if self == Self::Fastest && wide::are_available() {
+            return wide::run(work);
+        }
+        work.run()
+    }
+}
+
+/// Something that wider vectors speed up. Only what is inlined into [`run`](Self::run) gets them: everything hot below it
+/// is `#[inline(always)]`, and closures, which cannot be, are avoided.
+pub(crate) trait Work {
+    type Output;
+
+    /// Does it. Implementations are `#[inline(always)]`.
+    fn run(self) -> Self::Output;
+}
+
+#[cfg(all(feature = "simd", target_arch = "x86_64"))]
+mod wide {
+    use super::Work;
+
+    cpufeatures::new!(features, "avx2", "bmi1", "bmi2", "popcnt");
+
+    /// Whether the processor and the operating system have what [`compiled`] is compiled for. A load after the first call.
+    #[inline(always)]
+    pub(super) fn are_available() -> bool {
+        features::get()
+    }
+
+    /// Does `work` with AVX2 and bit manipulation.
+    #[inline(always)]
+    pub(super) fn run<W: Work>(work: W) -> W::Output {
+        assert!(are_available(), "checked by the caller");
+        #[expect(
+            unsafe_code,
+            reason = "a function with more target features than its caller"
+        )]
+        // SAFETY: the features that `compiled` enables are those just asserted. It takes and returns ordinary values
+        // and does nothing but call safe code.
+        unsafe {
+            compiled(work)
+        }
+    }
+
+    #[target_feature(enable = "avx2,bmi1,bmi2,popcnt")]
+    fn compiled<W: Work>(work: W) -> W::Output {
+        work.run()
+    }
+}
