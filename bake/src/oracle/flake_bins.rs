@@ -3,7 +3,7 @@
 use super::beckmann::beckmann;
 use super::direction::{direction, dot, half_vector_direction};
 use super::double_double::DoubleDouble;
-use super::weights::box_weights;
+use super::weights::{TexelWeight, box_weights};
 use crate::normals::NormalMap;
 use core::f64::consts::SQRT_2;
 use glintbake_format::model::{Footprint, HalfVector, Neighbourhood};
@@ -36,9 +36,21 @@ pub fn bin_weights(
     footprint: &Footprint,
     alpha: f64,
 ) -> BTreeMap<(u32, u32), f64> {
+    bin_weights_of(map, &box_weights(map, footprint), alpha)
+}
+
+/// [`bin_weights`] of texels weighed by any filter.
+///
+/// # Panics
+/// If a texel is not on the map.
+pub fn bin_weights_of(
+    map: &NormalMap,
+    weights: &[TexelWeight],
+    alpha: f64,
+) -> BTreeMap<(u32, u32), f64> {
     let side = resolution(alpha);
     let mut bins: BTreeMap<(u32, u32), DoubleDouble> = BTreeMap::new();
-    for ([s, t], weight) in weighted_normals(map, footprint) {
+    for ([s, t], weight) in weighted_normals(map, weights) {
         let sum = bins.entry(bin_of(s, t, side)).or_default();
         *sum = *sum + DoubleDouble::from(weight);
     }
@@ -98,15 +110,28 @@ impl Prepared {
     /// # Panics
     /// As [`box_weights`].
     pub fn new(map: &NormalMap, footprint: &Footprint, alpha: f64, setting: Setting) -> Self {
+        Self::from_weights(map, &box_weights(map, footprint), alpha, setting)
+    }
+
+    /// The flakes of the texels in `weights`, weighed by any filter (see [`texel_weights`](super::texel_weights)).
+    ///
+    /// # Panics
+    /// If a texel is not on the map.
+    pub fn from_weights(
+        map: &NormalMap,
+        weights: &[TexelWeight],
+        alpha: f64,
+        setting: Setting,
+    ) -> Self {
         let flakes = match setting {
             Setting::Exact => Flakes::Exact(
-                weighted_normals(map, footprint)
+                weighted_normals(map, weights)
                     .map(|([s, t], weight)| (direction(s, t), weight))
                     .collect(),
             ),
             Setting::Binned(neighbourhood) => {
                 let side = resolution(alpha);
-                let bins = bin_weights(map, footprint, alpha)
+                let bins = bin_weights_of(map, weights, alpha)
                     .into_iter()
                     .map(|(bin, weight)| (bin, (bin_centre(bin, side), weight)))
                     .collect();
@@ -160,12 +185,12 @@ impl Prepared {
     }
 }
 
-/// Point of the disk and weight of each texel under the footprint.
+/// Point of the disk and weight of each texel in `weights`.
 fn weighted_normals(
     map: &NormalMap,
-    footprint: &Footprint,
+    weights: &[TexelWeight],
 ) -> impl Iterator<Item = ([f64; 2], f64)> {
-    box_weights(map, footprint).into_iter().map(|texel| {
+    weights.iter().map(|texel| {
         let index = texel.row as usize * map.width() as usize + texel.column as usize;
         (map.texels()[index].map(f64::from), texel.weight)
     })

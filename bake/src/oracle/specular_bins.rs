@@ -2,7 +2,7 @@
 
 use super::direction::direction;
 use super::double_double::DoubleDouble;
-use super::weights::box_weights;
+use super::weights::{TexelWeight, box_weights};
 use crate::normals::NormalMap;
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use glintbake_format::model::{Footprint, HalfVector};
@@ -76,8 +76,20 @@ pub fn bin_weights(
     footprint: &Footprint,
     bins_per_side: u32,
 ) -> BTreeMap<(u32, u32), f64> {
+    bin_weights_of(map, &box_weights(map, footprint), bins_per_side)
+}
+
+/// [`bin_weights`] of texels weighed by any filter.
+///
+/// # Panics
+/// If a texel is not on the map.
+pub fn bin_weights_of(
+    map: &NormalMap,
+    weights: &[TexelWeight],
+    bins_per_side: u32,
+) -> BTreeMap<(u32, u32), f64> {
     let mut bins: BTreeMap<(u32, u32), DoubleDouble> = BTreeMap::new();
-    for texel in box_weights(map, footprint) {
+    for texel in weights {
         let index = texel.row as usize * map.width() as usize + texel.column as usize;
         let [s, t] = map.texels()[index].map(f64::from);
         let sum = bins
@@ -121,9 +133,17 @@ impl Prepared {
     /// # Panics
     /// As [`box_weights`].
     pub fn new(map: &NormalMap, footprint: &Footprint, bins_per_side: u32) -> Self {
+        Self::from_weights(map, &box_weights(map, footprint), bins_per_side)
+    }
+
+    /// The bins of the texels in `weights`, weighed by any filter (see [`texel_weights`](super::texel_weights)).
+    ///
+    /// # Panics
+    /// If a texel is not on the map.
+    pub fn from_weights(map: &NormalMap, weights: &[TexelWeight], bins_per_side: u32) -> Self {
         Self {
             bins_per_side,
-            bins: bin_weights(map, footprint, bins_per_side),
+            bins: bin_weights_of(map, weights, bins_per_side),
         }
     }
 
