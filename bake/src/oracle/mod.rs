@@ -1,12 +1,13 @@
 //! Plain f64 answers from normals, never from baked bytes.
 //!
 //! Everything here follows the papers' formulas term by term and writes out its own areas, bins and densities: of
-//! `glintbake_format::model` it takes the plain words (`Footprint`, `HalfVector`, `Neighbourhood`, `Wrap`) and
-//! none of the algorithms. Where a fast path and the oracle disagree, two independent derivations disagree.
+//! `glintbake_format::model` it takes the plain words (`Filter`, `Footprint`, `HalfVector`, `Neighbourhood`,
+//! `Wrap`) and none of the algorithms. Where a fast path and the oracle disagree, two independent derivations disagree.
 //!
 //! | answer | function | source |
 //! |---|---|---|
 //! | texel weights `w_k` of a parallelogram | [`box_weights`] | \[AWKK21\] eq. 12 |
+//! | texel weights `w_k` of a Gaussian | [`gaussian_weights`] | \[YHJ*14\] §4, integrated over texels |
 //! | flake kernel `D^α(h, m)` | [`beckmann`] | \[AWKK21\] eq. 14 |
 //! | D and its pdf, Beckmann flakes | [`flake_bins`] | \[AWKK21\] eq. 11, 15, 18 |
 //! | D and its pdf, specular flakes | [`specular_bins`] | \[ABKK20\] §2 |
@@ -17,6 +18,8 @@ mod beckmann;
 mod direction;
 mod double_double;
 pub mod flake_bins;
+mod gauss_legendre;
+mod gaussian;
 mod polygon;
 mod segment;
 pub mod specular_bins;
@@ -27,4 +30,5 @@ mod weights;
 mod tests;
 
 pub use beckmann::beckmann;
-pub use weights::{MAX_SPAN_TILES, TexelWeight, box_weights};
+pub use gaussian::gaussian_weights;
+pub use weights::{MAX_SPAN_TILES, TexelWeight, box_weights, texel_weights};

@@ -1,11 +1,12 @@
 //! Texel weights of a box footprint, by clipping it against every texel.
 
 use super::double_double::DoubleDouble;
+use super::gaussian::gaussian_weights;
 use super::polygon::Polygon;
 use super::segment::segment_weights;
 use super::texel_axis::TexelAxis;
 use crate::normals::NormalMap;
-use glintbake_format::model::Footprint;
+use glintbake_format::model::{Filter, Footprint};
 
 /// The widest shadow of a footprint on either axis, in tiles, that [`box_weights`] accepts.
 ///
@@ -18,15 +19,26 @@ pub const MAX_SPAN_TILES: f64 = 1024.0;
 /// every point by at most the ratio times the footprint's extent.
 const SEGMENT_RATIO: f64 = 1e-16;
 
-/// A texel of the map and the part of the footprint that lies on it.
+/// A texel of the map and the part of a footprint's weight that lies on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TexelWeight {
     /// Column of the texel.
     pub column: u32,
     /// Row of the texel, from the top.
     pub row: u32,
-    /// `w_k = |A ∩ T_k| / |A|`, in (0, 1].
+    /// `w_k`, in (0, 1]: `|A ∩ T_k| / |A|` of a box footprint, `∫_{T_k} G` of a Gaussian one.
     pub weight: f64,
+}
+
+/// Every texel under `footprint` as `filter` weighs it: [`box_weights`] or [`gaussian_weights`].
+///
+/// # Panics
+/// As the two.
+pub fn texel_weights(map: &NormalMap, footprint: &Footprint, filter: Filter) -> Vec<TexelWeight> {
+    match filter {
+        Filter::Box => box_weights(map, footprint),
+        Filter::Gaussian => gaussian_weights(map, footprint),
+    }
 }
 
 /// Every texel under `footprint` with its weight `w_k = |A ∩ T_k| / |A|`: each once, row-major, summing to 1.
@@ -154,33 +166,33 @@ fn add_row(
     }
 }
 
-/// Covered area of each column of one row of the map.
-struct RowSums {
+/// Sum of each column of one row of the map: covered area, or weight.
+pub(super) struct RowSums {
     sums: Vec<DoubleDouble>,
     touched: Vec<u32>,
 }
 
 impl RowSums {
-    fn new(width: u32) -> Self {
+    pub(super) fn new(width: u32) -> Self {
         Self {
             sums: vec![DoubleDouble::ZERO; width as usize],
             touched: Vec::new(),
         }
     }
 
-    fn add(&mut self, column: u32, area: DoubleDouble) {
-        if area == DoubleDouble::ZERO {
+    pub(super) fn add(&mut self, column: u32, addend: DoubleDouble) {
+        if addend == DoubleDouble::ZERO {
             return;
         }
         let sum = &mut self.sums[column as usize];
         if *sum == DoubleDouble::ZERO {
             self.touched.push(column);
         }
-        *sum = *sum + area;
+        *sum = *sum + addend;
     }
 
     /// Hands out the non-zero columns in order, and starts over.
-    fn drain(&mut self, mut take: impl FnMut(u32, DoubleDouble)) {
+    pub(super) fn drain(&mut self, mut take: impl FnMut(u32, DoubleDouble)) {
         self.touched.sort_unstable();
         for column in self.touched.drain(..) {
             take(column, core::mem::take(&mut self.sums[column as usize]));

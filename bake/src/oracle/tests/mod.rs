@@ -2,6 +2,7 @@
 
 mod double_double;
 mod flake_bins;
+mod gaussian;
 mod kernel;
 mod limits;
 mod specular_bins;
@@ -75,15 +76,23 @@ fn by_texel(weights: &[TexelWeight]) -> BTreeMap<(u32, u32), f64> {
         .collect()
 }
 
-/// The weights of a footprint, after checking what every answer must satisfy.
+/// The weights of a box footprint, after checking what every answer must satisfy.
 fn checked_weights(map: &NormalMap, footprint: &Footprint) -> BTreeMap<(u32, u32), f64> {
-    let weights = box_weights(map, footprint);
+    check_weights(map, footprint, &box_weights(map, footprint))
+}
+
+/// `weights` of `footprint` by texel, after checking what every answer must satisfy.
+fn check_weights(
+    map: &NormalMap,
+    footprint: &Footprint,
+    weights: &[TexelWeight],
+) -> BTreeMap<(u32, u32), f64> {
     let sum: f64 = weights.iter().map(|texel| texel.weight).sum();
     assert!(
         (sum - 1.0).abs() < 1e-13 * (1.0 + libm::sqrt(weights.len() as f64)),
         "weights of {footprint:?} sum to {sum}"
     );
-    for texel in &weights {
+    for texel in weights {
         assert!(
             texel.weight > 0.0 && texel.weight <= 1.0 + 1e-15,
             "{texel:?} of {footprint:?}"
@@ -97,7 +106,7 @@ fn checked_weights(map: &NormalMap, footprint: &Footprint) -> BTreeMap<(u32, u32
         weights.is_sorted_by(|a, b| (a.row, a.column) < (b.row, b.column)),
         "texels must be row-major, each once"
     );
-    by_texel(&weights)
+    by_texel(weights)
 }
 
 /// The largest difference of two sets of weights.
