@@ -6,6 +6,7 @@
 
 mod clip;
 mod outline;
+mod placement;
 mod probe;
 mod rows;
 mod squares;
@@ -15,7 +16,8 @@ pub(crate) use probe::{Probe, Relation};
 pub(crate) use squares::SquareProbe;
 
 use crate::error::QueryError;
-use glintbake_format::model::{Footprint, MAX_EDGE_TILES, Wrap};
+use glintbake_format::model::{Footprint, Wrap};
+use placement::Placement;
 
 /// A box in texel units; sides may be infinite where the map is clamped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,49 +59,15 @@ impl Parallelogram {
         height: u32,
         wrap: Wrap,
     ) -> Result<Self, QueryError> {
-        let Footprint {
+        let Placement {
+            cell,
             centre,
             edge_1,
             edge_2,
-        } = *footprint;
-        if ![centre, edge_1, edge_2]
-            .iter()
-            .flatten()
-            .all(|coordinate| coordinate.is_finite())
-        {
-            return Err(QueryError::NotFinite);
-        }
-        if [edge_1, edge_2]
-            .iter()
-            .flatten()
-            .any(|coordinate| coordinate.abs() > MAX_EDGE_TILES)
-        {
-            return Err(QueryError::FootprintTooLarge);
-        }
-        // Exact: a tile number is subtracted from a coordinate of the same magnitude, before anything is scaled.
-        let reduce = |coordinate: f64| match wrap {
-            Wrap::Repeat => coordinate - libm::floor(coordinate),
-            // Beyond this no footprint reaches the map, and border texels extend without end.
-            Wrap::Clamp => coordinate.clamp(-4.0 * MAX_EDGE_TILES, 4.0 * MAX_EDGE_TILES),
-        };
-        let size = [f64::from(width), f64::from(height)];
-        let scale = |[x, y]: [f64; 2]| [x * size[0], y * size[1]];
-        // The product of centre and size is rounded to the nearest f64, and can land on a texel's border though the
-        // centre lies before it; the fused remainder brings back what rounding took.
-        let centre = centre.map(reduce);
-        let product = scale(centre);
-        let rest = [
-            libm::fma(centre[0], size[0], -product[0]),
-            libm::fma(centre[1], size[1], -product[1]),
-        ];
-        let cell = product.map(libm::floor);
-        let (edge_1, edge_2) = (scale(edge_1), scale(edge_2));
+        } = Placement::new(footprint, width, height, wrap)?;
         Ok(Self {
             cell,
-            centre: [
-                (product[0] - cell[0]) + rest[0],
-                (product[1] - cell[1]) + rest[1],
-            ],
+            centre,
             edge_1,
             edge_2,
             extent: [
