@@ -3,8 +3,14 @@
 //! - [`Outline`]: exact coverage in texture space, a row of texels at a time; for footprints that are not too thin.
 //! - `clip`: the same in parameter space, one box at a time; slower, right for footprints of any shape.
 //! - [`Probe`]: which boxes and texels need either at all; [`SquareProbe`]: the same for many squares of one size.
+//! - `gaussian`: footprints that are Gaussians instead of boxes.
 
 mod clip;
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "the bins do not weigh Gaussian footprints yet")
+)]
+mod gaussian;
 mod outline;
 mod placement;
 mod probe;
