@@ -1,7 +1,11 @@
-//! What the suite and the benchmarks share: maps, packages and tolerances.
+//! What the suite and the benchmarks share: maps, packages and tolerances; and what the runtime is measured against.
 
 pub mod fixtures;
+pub mod paper_forest;
+pub mod parallelogram;
+pub mod plain_scan;
 pub mod tolerances;
+pub mod window;
 
 /// The README's snippets, compiled and run as documentation tests.
 #[cfg(doctest)]
