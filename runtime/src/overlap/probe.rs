@@ -118,9 +118,11 @@ impl<'a> Probe<'a> {
     /// `(hx |e2y| + hy |e2x|) / |e1 × e2|` and `(hx |e1y| + hy |e1x|) / |e1 × e2|`.
     #[inline]
     pub fn relation(&self, texels: &TexelBox) -> Relation {
+        // No box is less than a texel, whatever a forest says: where no texel fits, none is inside, and the weight of a
+        // whole one, which may be infinite, is never asked for.
         let half = [
-            (texels.high[0] - texels.low[0]) * 0.5,
-            (texels.high[1] - texels.low[1]) * 0.5,
+            ((texels.high[0] - texels.low[0]) * 0.5).max(0.5),
+            ((texels.high[1] - texels.low[1]) * 0.5).max(0.5),
         ];
         let offset = [
             (texels.high[0] + texels.low[0]) * 0.5 - self.cell[0] - self.centre[0],
