@@ -4,8 +4,13 @@ use crate::finding::{Fault, Finding};
 use crate::model::{BinGrid, Binning, Filter, Method, Wrap};
 use crate::records::INSTANCES;
 use crate::section::SectionId;
+use core::ops::RangeInclusive;
 use zerocopy::little_endian::{F64, U16, U32};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
+
+/// Roughnesses an instance may have: far more than any bake allows, and such that the density of a lobe, whose peak is
+/// 1 / (π α²), is a finite number everywhere.
+const ROUGHNESS: RangeInclusive<f64> = 1e-9..=1e9;
 
 /// How keys of a bin map find their bin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,7 +126,7 @@ pub struct Instance {
     pub width: u32,
     /// Rows of the map, 1 to 65535.
     pub height: u32,
-    /// Beckmann roughness α, positive; `None` for a method without a kernel.
+    /// Beckmann roughness α, 1e-9 to 1e9; `None` for a method without a kernel.
     pub roughness: Option<f64>,
     /// The bins.
     pub grid: BinGrid,
@@ -199,7 +204,7 @@ impl Instance {
             return Err(field);
         }
         let roughness = match (method, record.roughness.get()) {
-            (Method::FlakeBins, alpha) if alpha.is_finite() && alpha > 0.0 => Some(alpha),
+            (Method::FlakeBins, alpha) if ROUGHNESS.contains(&alpha) => Some(alpha),
             (Method::SpecularBins, 0.0) => None,
             _ => return Err(field),
         };
