@@ -1,6 +1,8 @@
 //! What the suite and the benchmarks share: maps, packages and tolerances; and what the runtime is measured against.
 
+pub mod exercise;
 pub mod fixtures;
+pub mod lies;
 pub mod paper_forest;
 pub mod parallelogram;
 pub mod plain_scan;

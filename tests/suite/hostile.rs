@@ -1,65 +1,21 @@
 //! Damaged and lying packages: a typed finding, never a panic, a hang or a wrong number that looks right.
 
 use glintbake_format::model::{Footprint, HalfVector, Neighbourhood, Wrap};
-use glintbake_format::records::{FOREST, INDEX, INVERSE_BIN_MAP};
-use glintbake_format::{Container, ENTRY_LENGTH, Fault, FourCc, HEADER_LENGTH, Header, check};
-use glintbake_runtime::ndf::Lookup;
-use glintbake_runtime::{Ndf, Package, Setting, SurfaceNdf};
+use glintbake_format::records::{FOREST, INDEX, INSTANCES, INVERSE_BIN_MAP};
+use glintbake_format::{Container, ENTRY_LENGTH, Fault, FourCc, HEADER_LENGTH, check};
+use glintbake_runtime::{Ndf, Package, Setting};
 use glintbake_samples::Kind;
-use glintbake_tests::fixtures::{Stream, forest_package, sample_map, specular_package};
+use glintbake_tests::exercise::interrogate;
+use glintbake_tests::fixtures::{
+    Stream, flake_package, forest_package, sample_map, specular_package,
+};
+use glintbake_tests::lies::{reseal, section_range};
 use proptest::prelude::*;
 
 /// A small package with every kind of section: dense and sparse index, forest, exact normals.
 fn small_package() -> Vec<u8> {
     let map = sample_map(Kind::Flakes, 12, 10, 5, Wrap::Repeat);
     forest_package(&map, &[0.4, 0.002], 2)
-}
-
-/// Asks a package everything there is to ask; only that it answers at all is of interest here.
-fn interrogate(bytes: &[u8]) {
-    let Ok(package) = Package::open(bytes) else {
-        return;
-    };
-    let container = package.container();
-    check::structure(container, &mut |_| {});
-    let footprints = [
-        Footprint::square([0.3, 0.6], 3.0, 12, 10),
-        Footprint::square([0.3, 0.6], 0.0, 12, 10),
-        Footprint {
-            centre: [-7.2, 3.9],
-            edge_1: [2.5, 0.4],
-            edge_2: [-0.3, 3.5],
-        },
-    ];
-    for instance in package.instances() {
-        let Ok(ndf) = package.ndf(instance.number) else {
-            continue;
-        };
-        let mut variants = vec![ndf];
-        variants.extend(ndf.with_setting(Setting::Exact));
-        if let SurfaceNdf::FlakeBins(flakes) = ndf {
-            variants.extend(
-                [Lookup::Lists, Lookup::Scan]
-                    .map(|lookup| SurfaceNdf::FlakeBins(flakes.with_lookup(lookup))),
-            );
-        }
-        for (ndf, footprint) in variants
-            .iter()
-            .flat_map(|ndf| footprints.iter().map(move |footprint| (ndf, footprint)))
-        {
-            for h in [(0.0, 0.0), (0.1, -0.2), (0.99, 0.0)].map(|(s, t)| HalfVector { s, t }) {
-                for value in [ndf.eval(footprint, h), ndf.pdf(footprint, h)]
-                    .into_iter()
-                    .flatten()
-                {
-                    assert!(value.is_finite() && value >= 0.0, "{value}");
-                }
-            }
-            if let Ok(Some(h)) = ndf.sample(footprint, [0.9, 0.1, 0.5, 0.5]) {
-                assert!(h.s.is_finite() && h.t.is_finite());
-            }
-        }
-    }
 }
 
 fn finds_something(bytes: &[u8]) -> bool {
@@ -120,53 +76,6 @@ fn every_truncation_is_an_error_at_opening() {
     );
 }
 
-/// Recomputes every checksum, so that only the lie itself can be found.
-fn reseal(bytes: &mut [u8]) {
-    let count = u32::from_le_bytes(bytes[28..32].try_into().unwrap()) as usize;
-    let table_end = HEADER_LENGTH + count * ENTRY_LENGTH;
-    for entry in 0..count {
-        let at = HEADER_LENGTH + entry * ENTRY_LENGTH;
-        let word = |place: usize| {
-            u64::from_le_bytes(bytes[at + place..at + place + 8].try_into().unwrap()) as usize
-        };
-        let (offset, length) = (word(24), word(32));
-        if let Some(section) = bytes.get(offset..offset.saturating_add(length)) {
-            let crc = crc32(section);
-            bytes[at + 48..at + 52].copy_from_slice(&crc.to_le_bytes());
-        }
-    }
-    let table_crc = crc32(&bytes[HEADER_LENGTH..table_end]);
-    let header = Header::new(
-        bytes.len() as u64,
-        count as u32,
-        [0; 32],
-        [0; 32],
-        table_crc,
-    );
-    let fresh: &[u8] = zerocopy::IntoBytes::as_bytes(&header);
-    bytes[..HEADER_LENGTH].copy_from_slice(fresh);
-}
-
-/// CRC-32 bit by bit, apart from the library the package is written with.
-fn crc32(bytes: &[u8]) -> u32 {
-    !bytes.iter().fold(!0_u32, |crc, &byte| {
-        (0..8).fold(crc ^ u32::from(byte), |crc, _| {
-            (crc >> 1) ^ (0xEDB8_8320 & (crc & 1).wrapping_neg())
-        })
-    })
-}
-
-fn section_range(bytes: &[u8], kind: FourCc, instance: u16) -> std::ops::Range<usize> {
-    let container = Container::open(bytes).unwrap();
-    let entry = container
-        .entries()
-        .iter()
-        .find(|entry| entry.kind == kind && entry.instance.get() == instance)
-        .expect("the small package has every kind of section");
-    let start = entry.offset.get() as usize;
-    start..start + entry.length.get() as usize
-}
-
 #[test]
 fn lies_in_the_data_are_found_by_structure_alone_and_survived_by_queries() {
     let sound = small_package();
@@ -215,6 +124,39 @@ fn swapped_positions_are_found() {
     let container = Container::open(&bytes).unwrap();
     check::structure(&container, &mut |finding| faults.push(finding.fault));
     assert!(faults.contains(&Fault::PositionKey), "{faults:?}");
+}
+
+#[test]
+fn boxes_turned_inside_out_weigh_nothing() {
+    // Under a segment, where a whole texel would weigh infinitely much.
+    let mut bytes = small_package();
+    let forest = section_range(&bytes, FOREST, 1);
+    for corners in bytes[forest].chunks_exact_mut(8) {
+        corners.copy_from_slice(&[11, 0, 9, 0, 0, 0, 0, 0]);
+    }
+    assert!(reseal(&mut bytes));
+    interrogate(&bytes);
+}
+
+#[test]
+fn a_roughness_without_a_finite_density_is_refused_at_opening() {
+    let sound = small_package();
+    let roughness = section_range(&sound, INSTANCES, 0).start + 16;
+    for lie in [
+        0.0,
+        -0.4,
+        1e-160,
+        f64::MIN_POSITIVE,
+        1e160,
+        f64::NAN,
+        f64::INFINITY,
+    ] {
+        let mut bytes = sound.clone();
+        bytes[roughness..roughness + 8].copy_from_slice(&lie.to_le_bytes());
+        assert!(reseal(&mut bytes));
+        let finding = Container::open(&bytes).expect_err("no lobe has this roughness");
+        assert_eq!(finding.fault, Fault::InstanceField, "{lie}: {finding}");
+    }
 }
 
 #[test]

@@ -1,0 +1,255 @@
+//! Asking any bytes everything there is to ask: what fuzzing runs, and the suite on the stable toolchain.
+//!
+//! Bounded in time: every query visits a bounded number of texels, footprints stay within a few tiles, and of a package
+//! of many instances the first few are asked.
+
+use crate::lies::reseal;
+use crate::tolerances::{WEIGHT, WEIGHT_SUM};
+use glintbake_format::check;
+use glintbake_format::model::{Footprint, HalfVector, Neighbourhood};
+use glintbake_runtime::ndf::Lookup;
+use glintbake_runtime::{FlakeBins, Ndf, Package, QueryError, Setting, SurfaceNdf};
+
+/// Instances of one package that are asked.
+const MOST_INSTANCES: usize = 8;
+
+/// Asks `bytes` as they are or, if they do not open, with header and checksums made right, which no fuzzer would guess.
+/// Nothing but verification sees the checksums of bytes that open.
+///
+/// # Panics
+/// If an answer is not what any bytes must give: see [`interrogate`].
+pub fn exercise(bytes: &[u8]) {
+    if Package::open(bytes).is_ok() {
+        interrogate(bytes);
+        return;
+    }
+    let mut sealed = bytes.to_vec();
+    if reseal(&mut sealed) {
+        interrogate(&sealed);
+    }
+}
+
+/// Opens `bytes`, verifies them, and asks every instance by each method, setting and way to look up: a number that is
+/// finite and not negative, or the error the question deserves.
+///
+/// Of a package in which verification finds no fault of structure more is asked: no query may call it damaged, and all
+/// ways to look up must agree.
+///
+/// # Panics
+/// If an answer is none of these.
+pub fn interrogate(bytes: &[u8]) {
+    let Ok(package) = Package::open(bytes) else {
+        return;
+    };
+    let (mut in_structure, mut in_all) = (0, 0);
+    check::structure(package.container(), &mut |_| in_structure += 1);
+    check::full(package.container(), &mut |_| in_all += 1);
+    assert!(in_all >= in_structure, "the full check is the wider one");
+    let is_sound = in_structure == 0;
+    for instance in package.instances().take(MOST_INSTANCES) {
+        let size = [instance.width, instance.height];
+        match package.ndf(instance.number) {
+            Ok(ndf) => {
+                for ndf in variants(ndf) {
+                    ask(&ndf, size, is_sound);
+                }
+                if let SurfaceNdf::FlakeBins(ndf) = ndf {
+                    compare_lookups(&ndf, size, is_sound);
+                }
+            }
+            Err(error) => assert!(is_excused(error, is_sound), "{error}"),
+        }
+    }
+}
+
+/// `ndf` by every setting it has and every way to look up.
+fn variants(ndf: SurfaceNdf<'_>) -> Vec<SurfaceNdf<'_>> {
+    let mut variants = vec![ndf];
+    let settings = [
+        Setting::Binned(Neighbourhood::Bins21),
+        Setting::Binned(Neighbourhood::Bins45),
+        Setting::Exact,
+    ];
+    for setting in settings {
+        match ndf.with_setting(setting) {
+            Ok(other) if setting != Setting::default() => variants.push(other),
+            Ok(_) | Err(QueryError::SettingUnsupported(_) | QueryError::NotBaked { .. }) => {}
+            Err(error) => panic!("{error}"),
+        }
+    }
+    if let SurfaceNdf::FlakeBins(ndf) = ndf {
+        let forced = [Lookup::Lists, Lookup::Scan];
+        variants.extend(forced.map(|lookup| SurfaceNdf::FlakeBins(ndf.with_lookup(lookup))));
+    }
+    variants
+}
+
+/// Whether `error` may answer a question that is in order.
+fn is_excused(error: QueryError, is_sound: bool) -> bool {
+    match error {
+        QueryError::Damaged(_) => !is_sound,
+        QueryError::TooManyTexels { .. } => true,
+        _ => false,
+    }
+}
+
+/// Footprints that must be answered, on a map of `size` texels.
+fn footprints(size: [u32; 2]) -> [Footprint; 9] {
+    let texel = size.map(|side| 1.0 / f64::from(side));
+    let texels = |centre, first: [f64; 2], second: [f64; 2]| Footprint {
+        centre,
+        edge_1: [first[0] * texel[0], first[1] * texel[1]],
+        edge_2: [second[0] * texel[0], second[1] * texel[1]],
+    };
+    [
+        // A point, on a corner of texels; segments, one of them along a row; thinner than rounding.
+        texels([0.5, 0.5], [0.0; 2], [0.0; 2]),
+        texels([0.3, 0.6], [2.0, 1.0], [-4.0, -2.0]),
+        texels([0.0, 1.0], [5.5, 0.0], [0.0; 2]),
+        texels([0.7, 0.2], [9.0, 4.0], [1e-6, 3e-6]),
+        // Within a texel, a few texels, a few texels on the other side of the world.
+        texels([0.41, 0.77], [1e-3, 2e-4], [-3e-4, 8e-4]),
+        texels([0.1, 0.9], [3.1, 0.7], [-0.4, 2.3]),
+        texels([-1e6 + 0.3, 1e6 + 0.1], [2.0, -1.0], [1.0, 2.0]),
+        // Half a tile, several tiles.
+        Footprint {
+            centre: [0.5, 0.4],
+            edge_1: [0.6, 0.2],
+            edge_2: [-0.1, 0.7],
+        },
+        Footprint {
+            centre: [-7.2, 3.9],
+            edge_1: [1.7, 0.4],
+            edge_2: [-0.3, 1.2],
+        },
+    ]
+}
+
+/// Footprints that must be refused, and how.
+fn refused_footprints() -> [(Footprint, QueryError); 3] {
+    let with = |centre, edge_2| Footprint {
+        centre,
+        edge_1: [0.1, 0.0],
+        edge_2,
+    };
+    [
+        (with([f64::NAN, 0.0], [0.0, 0.1]), QueryError::NotFinite),
+        (with([0.0; 2], [f64::INFINITY, 0.1]), QueryError::NotFinite),
+        (with([0.0; 2], [0.0, -300.0]), QueryError::FootprintTooLarge),
+    ]
+}
+
+/// Half vectors: at the pole, between, on the rim, outside the disk.
+const HALF_VECTORS: [HalfVector; 4] = [
+    HalfVector { s: 0.0, t: 0.0 },
+    HalfVector { s: 0.13, t: -0.21 },
+    HalfVector { s: -0.6, t: 0.8 },
+    HalfVector { s: 0.9, t: 0.9 },
+];
+
+/// Evaluates, samples and asks for the pdf.
+fn ask(ndf: &SurfaceNdf<'_>, size: [u32; 2], is_sound: bool) {
+    let check = |footprint: &Footprint, h: HalfVector, answer: Result<f64, QueryError>| match answer
+    {
+        Ok(value) => assert!(
+            value.is_finite() && value >= 0.0,
+            "{:?}, {footprint:?}, {h:?}: {value}",
+            ndf.instance()
+        ),
+        Err(error) => assert!(is_excused(error, is_sound), "{error}"),
+    };
+    for (number, footprint) in footprints(size).iter().enumerate() {
+        // A number for each footprint, in place of chance.
+        let share = (number as f64 + 0.5) / 9.0;
+        let drawn = match ndf.sample(footprint, [share, 1.0 - share, 0.3, share]) {
+            Ok(drawn) => drawn,
+            Err(error) => {
+                assert!(is_excused(error, is_sound), "{error}");
+                None
+            }
+        };
+        if let Some(h) = drawn {
+            assert!(h.s.is_finite() && h.t.is_finite(), "{h:?}");
+        }
+        let given = HALF_VECTORS[number % HALF_VECTORS.len()];
+        for h in drawn.into_iter().chain([given]) {
+            check(footprint, h, ndf.eval(footprint, h));
+        }
+        let h = drawn.unwrap_or(given);
+        check(footprint, h, ndf.pdf(footprint, h));
+    }
+    let [h, ..] = HALF_VECTORS;
+    for (footprint, error) in refused_footprints() {
+        assert_eq!(ndf.eval(&footprint, h), Err(error));
+        assert_eq!(ndf.pdf(&footprint, h), Err(error));
+        assert_eq!(ndf.sample(&footprint, [0.5; 4]), Err(error));
+    }
+    let [footprint, ..] = footprints(size);
+    let nowhere = HalfVector {
+        s: 0.1,
+        t: f64::NAN,
+    };
+    assert_eq!(
+        ndf.eval(&footprint, nowhere),
+        Err(QueryError::NotFinite),
+        "a half vector is checked like a footprint"
+    );
+}
+
+/// Asks for bin weights by each way to look up.
+fn compare_lookups(ndf: &FlakeBins<'_>, size: [u32; 2], is_sound: bool) {
+    for (number, footprint) in footprints(size).iter().enumerate() {
+        let h = match ndf.sample(footprint, [0.4, 0.6, 0.0, 0.0]) {
+            Ok(Some(drawn)) => drawn,
+            _ => HALF_VECTORS[number % HALF_VECTORS.len()],
+        };
+        let ways = [Lookup::Auto, Lookup::Lists, Lookup::Scan].map(|lookup| {
+            let mut weights = Vec::new();
+            ndf.with_lookup(lookup)
+                .bin_weights(
+                    footprint,
+                    h,
+                    Neighbourhood::Bins45,
+                    &mut |column, row, weight| {
+                        assert!(
+                            weight.is_finite() && weight >= 0.0,
+                            "{lookup:?} of {:?}, {footprint:?}, {h:?}: {weight}",
+                            ndf.instance()
+                        );
+                        weights.push(((column, row), weight));
+                    },
+                )
+                .map(|()| weights)
+        });
+        let mut answered = Vec::new();
+        for way in ways {
+            match way {
+                Ok(weights) => answered.push(weights),
+                Err(error) => assert!(is_excused(error, is_sound), "{error}"),
+            }
+        }
+        let [first, others @ ..] = &*answered else {
+            continue;
+        };
+        if !is_sound {
+            continue;
+        }
+        let sum: f64 = first.iter().map(|(_, weight)| weight).sum();
+        assert!(
+            sum <= 1.0 + WEIGHT_SUM,
+            "weights of {footprint:?} add up to {sum}"
+        );
+        for other in others {
+            for (these, those) in [(first, other), (other, first)] {
+                for (bin, weight) in these {
+                    let elsewhere = those.iter().find(|(other, _)| other == bin);
+                    let other = elsewhere.map_or(0.0, |(_, weight)| *weight);
+                    assert!(
+                        (weight - other).abs() <= WEIGHT,
+                        "bin {bin:?} of {footprint:?}: {weight} or {other}"
+                    );
+                }
+            }
+        }
+    }
+}
