@@ -6,6 +6,7 @@ pub mod lies;
 pub mod paper_forest;
 pub mod parallelogram;
 pub mod plain_scan;
+pub mod seeds;
 pub mod tolerances;
 pub mod window;
 

@@ -4,6 +4,7 @@
 
 mod baselines;
 mod brdf;
+mod corpus;
 mod determinism;
 mod energy;
 mod flake_bins;
