@@ -6,7 +6,7 @@ use core::fmt;
 /// Defines [`Fault`] and its texts in one table, so that a number, a sentence and its place cannot drift apart.
 macro_rules! faults {
     ($($(#[doc = $doc:literal])+ $name:ident = $number:literal, $text:literal;)+) => {
-        /// A kind of fault, with a stable number: 1xxx header, 2xxx section table and padding, 3xxx bins,
+        /// A kind of fault, with a stable number: 1xxx header, 2xxx section table and padding, 3xxx bins (31xx masking),
         /// 4xxx instances, 5xxx contents against checksums.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[repr(u16)]
@@ -95,6 +95,8 @@ faults! {
     ListTotal = 3014, "the block lists do not count every texel of the map once";
     /// A tile of a block list is not what its blocks say.
     ListTile = 3015, "the tiles of a block list are not those of its blocks";
+    /// A masking value exceeds the one below it.
+    MaskingOrder = 3101, "masking grows from the horizon towards the pole";
 
     /// The instance's numbers contradict themselves or this version.
     InstanceField = 4001, "an instance record has a value that this version does not allow";

@@ -7,6 +7,7 @@
 mod bins;
 mod block_lists;
 mod inverse_bin_map;
+mod masking;
 
 use crate::Container;
 use crate::finding::{Fault, Finding};
@@ -21,7 +22,10 @@ pub fn structure(container: &Container<'_>, report: &mut dyn FnMut(Finding)) {
     metadata(container, report);
     for instance in container.instances() {
         match instance {
-            Ok(instance) => bins::check(container, &instance, report),
+            Ok(instance) => {
+                bins::check(container, &instance, report);
+                masking::check(container, &instance, report);
+            }
             Err(finding) => report(finding),
         }
     }

@@ -6,6 +6,7 @@ mod bins;
 mod blocks;
 mod footprint;
 mod forest;
+mod masking;
 mod method;
 mod normal;
 
@@ -16,5 +17,6 @@ pub use blocks::{
 };
 pub use footprint::{Filter, Footprint, MAX_EDGE_TILES, Wrap};
 pub use forest::{ForestShape, morton_index};
+pub use masking::{MaskingGrid, MaskingPlace};
 pub use method::{Kernel, METHODS, Method, beckmann_from_intrinsic, intrinsic_from_beckmann};
 pub use normal::HalfVector;

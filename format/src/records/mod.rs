@@ -3,10 +3,12 @@
 mod bins;
 mod blocks;
 mod instance;
+mod masking;
 
 pub use bins::{BoxRecord, ExactNormal, ForestNode, TexelPosition};
 pub use blocks::{ListStart, PageRecord, TileRecord};
 pub use instance::{IndexKind, Instance, InstanceRecord, InverseKind};
+pub use masking::MaskingValue;
 
 use crate::section::FourCc;
 
@@ -40,6 +42,8 @@ pub const LIST_COUNTS: FourCc = FourCc(*b"LCNT");
 pub const LIST_TILES: FourCc = FourCc(*b"LTIL");
 /// Exact normals: where in its bin each texel's normal lies, row-major.
 pub const EXACT_NORMALS: FourCc = FourCc(*b"EXNM");
+/// Masking: what the map's normals hide of each other, a table over directions.
+pub const MASKING: FourCc = FourCc(*b"MASK");
 
 /// The schema version of every section of this major version so far.
 pub const SCHEMA: u32 = 1;
@@ -61,6 +65,7 @@ const KINDS: &[(FourCc, &[u32])] = &[
     (LIST_BLOCKS, &[2]),
     (LIST_COUNTS, &[1]),
     (LIST_TILES, &[6]),
+    (MASKING, &[2]),
 ];
 
 /// The element sizes a section of `kind` may have, or `None` if this version does not know the kind.

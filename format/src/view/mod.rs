@@ -9,6 +9,7 @@ mod bin_tables;
 mod block_lists;
 mod exact_normals;
 mod inverse_bin_map;
+mod masking;
 
 pub use bin_index::BinIndex;
 pub use bin_map::{BinMap, KeyLayout, Keys};
@@ -16,3 +17,4 @@ pub use bin_tables::{BinTables, Inverse};
 pub use block_lists::{BlockList, BlockLists};
 pub use exact_normals::ExactNormals;
 pub use inverse_bin_map::InverseBinMap;
+pub use masking::MaskingTable;
