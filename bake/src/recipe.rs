@@ -41,6 +41,8 @@ pub struct MethodRecipe {
     pub leaf_size: u32,
     /// Whether exact normals are stored, 4 bytes a texel.
     pub exact_normals: bool,
+    /// Whether the masking of the map's own normals is stored: 4 KB, once for all methods and roughnesses that ask.
+    pub masking: bool,
 }
 
 /// Leaf size of a recipe that names none: with tight boxes, larger than the papers' 10 and 16 is faster and smaller.
@@ -56,6 +58,7 @@ impl MethodRecipe {
             inverse: None,
             leaf_size: DEFAULT_LEAF_SIZE,
             exact_normals: false,
+            masking: true,
         }
     }
 }

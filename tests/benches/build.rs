@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p glintbake-tests --bench build`
 
-use glintbake_bake::build::{bin_map, forest, inverse_bin_map};
+use glintbake_bake::build::{bin_map, forest, inverse_bin_map, masking};
 use glintbake_bake::normals::NormalMap;
 use glintbake_format::model::{BinGrid, Binning, Wrap, disk_grid_resolution};
 use glintbake_samples::Kind;
@@ -48,6 +48,12 @@ fn c_forest(bencher: divan::Bencher<'_, '_>, (name, leaf_size): (&str, u32)) {
     let bin_map = bin_map::build(map(name), grid());
     let inverse = inverse_bin_map::build(&bin_map, SIDE, SIDE);
     bencher.bench_local(|| forest::build(&inverse, leaf_size));
+}
+
+#[divan::bench(args = KINDS)]
+fn d_masking(bencher: divan::Bencher<'_, '_>, name: &str) {
+    let map = map(name);
+    bencher.bench_local(|| masking::build(map));
 }
 
 fn main() {

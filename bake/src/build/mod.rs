@@ -5,4 +5,5 @@ pub mod block_lists;
 pub mod exact_normals;
 pub mod forest;
 pub mod inverse_bin_map;
+pub mod masking;
 mod morton;

@@ -1,6 +1,6 @@
 //! What the methods that bin normals have in common: the bin map, and what finds the texels of a bin.
 
-use super::Bake;
+use super::{Bake, masking};
 use crate::build::{bin_map, block_lists, exact_normals, forest, inverse_bin_map};
 use crate::error::BakeError;
 use crate::normals::NormalMap;
@@ -61,6 +61,7 @@ pub(super) fn add_instance(
     } else {
         left_out("EXNM", "not asked for; --exact-normals adds it");
     }
+    masking::add(map, recipe, &instance, bake);
     bake.instances.push(instance);
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 mod bins;
 mod flake_bins;
+mod masking;
 mod specular_bins;
 
 use crate::error::BakeError;

@@ -9,6 +9,7 @@
 //! | texel weights `w_k` of a parallelogram | [`box_weights`] | \[AWKK21\] eq. 12 |
 //! | texel weights `w_k` of a Gaussian | [`gaussian_weights`] | \[YHJ*14\] §4, integrated over texels |
 //! | flake kernel `D^α(h, m)` | [`beckmann`] | \[AWKK21\] eq. 14 |
+//! | masking G1 of the map's own normals | [`masking`] | \[AWKK21\] eq. 5 |
 //! | D and its pdf, Beckmann flakes | [`flake_bins`] | \[AWKK21\] eq. 11, 15, 18 |
 //! | D and its pdf, specular flakes | [`specular_bins`] | \[ABKK20\] §2 |
 //!
@@ -20,6 +21,7 @@ mod double_double;
 pub mod flake_bins;
 mod gauss_legendre;
 mod gaussian;
+mod masking;
 mod polygon;
 mod segment;
 pub mod specular_bins;
@@ -31,4 +33,5 @@ mod tests;
 
 pub use beckmann::beckmann;
 pub use gaussian::gaussian_weights;
+pub use masking::{LEAST_COSINE, masking};
 pub use weights::{MAX_SPAN_TILES, TexelWeight, box_weights, texel_weights};

@@ -65,6 +65,11 @@ impl PackagePlan {
         self.insert(id, true, elements);
     }
 
+    /// Whether the plan has a section called `id`.
+    pub fn holds(&self, id: SectionId) -> bool {
+        self.sections.contains_key(&id)
+    }
+
     fn insert<T>(&mut self, id: SectionId, critical: bool, elements: Vec<T>)
     where
         T: IntoBytes + Immutable + Send + Sync + 'static,

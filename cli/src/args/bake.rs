@@ -57,6 +57,10 @@ pub struct BakeArgs {
     #[arg(long)]
     pub exact_normals: bool,
 
+    /// Leave out the masking of the map's own normals (4 KB): the renderer brings its own
+    #[arg(long)]
+    pub no_masking: bool,
+
     /// How the image is read
     #[command(flatten)]
     pub decode: DecodeArgs,
@@ -253,6 +257,7 @@ impl BakeArgs {
                     inverse: self.index.0,
                     leaf_size: self.leaf_size.unwrap_or(DEFAULT_LEAF_SIZE),
                     exact_normals: self.exact_normals && (rough || !several),
+                    masking: !self.no_masking,
                 }
             })
             .collect();
