@@ -1,17 +1,29 @@
 //! From P-NDF to BRDF.
 
-use super::beckmann::masking;
+use super::beckmann;
 use super::fresnel::Fresnel;
 use super::vector::{dot, normalised};
 use crate::error::QueryError;
 use crate::ndf::Ndf;
 use glintbake_format::model::{Footprint, HalfVector};
 
+/// Where a BRDF takes masking into account.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum MaskingPlacement {
+    /// For each facet by its own normal, inside the sum: \[AWKK21\] eq. 5 and 15.
+    #[default]
+    Inside,
+    /// Once for all facets, as if their normal were the half vector: no error functions in the loop, and the product of
+    /// [`Ndf::eval`] with numbers that do not depend on the footprint. Off from [`Inside`](Self::Inside), summed over
+    /// directions down to 3 degrees above the horizon, by PLACEHOLDER.
+    Factored,
+}
+
 /// The BRDF of the patch under `footprint` for unit directions `light` and `view` in tangent space, per steradian.
 ///
-/// `f = F Σ_j W_j D^α(h, b_j) G^α(i, o, h, b_j) / (4 (i·n) (o·n))`, \[AWKK21\] eq. 5 and 15 with the flakes' own
-/// masking *inside* the sum; 0 below the horizon. Masking of flakes by other flakes is left to the caller.
-/// Reciprocal: light and view may be exchanged.
+/// `f = F Σ_j W_j D^α(h, b_j) G^α(i, o, h, b_j) G_x(i, o, b_j) / (4 (i·n) (o·n))`, \[AWKK21\] eq. 5 and 15 with all
+/// masking *inside* the sum; 0 below the horizon. G_x is the map's own masking for both directions, see [`Masking`](super::Masking), for
+/// facets that face both, and 0 for others. Reciprocal: light and view may be exchanged.
 ///
 /// # Errors
 /// As [`Ndf::facets`].
@@ -22,19 +34,74 @@ pub fn eval(
     view: [f64; 3],
     fresnel: Fresnel,
 ) -> Result<f64, QueryError> {
+    eval_with(
+        ndf,
+        footprint,
+        light,
+        view,
+        fresnel,
+        MaskingPlacement::Inside,
+    )
+}
+
+/// As [`eval`], with masking where `placement` says.
+///
+/// # Errors
+/// As [`Ndf::facets`].
+pub fn eval_with(
+    ndf: &impl Ndf,
+    footprint: &Footprint,
+    light: [f64; 3],
+    view: [f64; 3],
+    fresnel: Fresnel,
+    placement: MaskingPlacement,
+) -> Result<f64, QueryError> {
     let Some(half) = half_vector(light, view) else {
         return Ok(0.0);
     };
-    let roughness = ndf.instance().roughness;
-    let mut sum = 0.0;
-    ndf.facets(footprint, HalfVector::from_direction(half), &mut |facet| {
-        let masking = roughness.map_or(1.0, |roughness| {
-            masking(light, half, facet.normal, roughness)
-                * masking(view, half, facet.normal, roughness)
-        });
-        sum += facet.density * facet.weight * masking;
-    })?;
+    let masking = FacetMasking {
+        light,
+        view,
+        half,
+        roughness: ndf.instance().roughness,
+        map: ndf.masking().g(light, view),
+    };
+    let half_point = HalfVector::from_direction(half);
+    let sum = match placement {
+        MaskingPlacement::Inside => {
+            let mut sum = 0.0;
+            ndf.facets(footprint, half_point, &mut |facet| {
+                sum += facet.density * facet.weight * masking.of(facet.normal);
+            })?;
+            sum
+        }
+        MaskingPlacement::Factored => ndf.eval(footprint, half_point)? * masking.of(half),
+    };
     Ok(fresnel.reflectance(dot(light, half)) * sum / (4.0 * light[2] * view[2]))
+}
+
+/// What is left of light that facets pass from one direction to another.
+struct FacetMasking {
+    light: [f64; 3],
+    view: [f64; 3],
+    half: [f64; 3],
+    roughness: Option<f64>,
+    /// The map's masking of both directions: the same for every facet that faces them.
+    map: f64,
+}
+
+impl FacetMasking {
+    /// `G^α(i, o, h, normal) G_x(i, o, normal)`, in [0, 1].
+    fn of(&self, normal: [f64; 3]) -> f64 {
+        if dot(self.light, normal) <= 0.0 || dot(self.view, normal) <= 0.0 {
+            return 0.0;
+        }
+        let of_flake = self.roughness.map_or(1.0, |roughness| {
+            beckmann::masking(self.light, self.half, normal, roughness)
+                * beckmann::masking(self.view, self.half, normal, roughness)
+        });
+        of_flake * self.map
+    }
 }
 
 /// A unit direction of incident light drawn for the unit direction `view`, with density [`pdf`], or `None`, which

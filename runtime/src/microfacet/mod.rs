@@ -3,4 +3,7 @@
 pub mod beckmann;
 pub mod brdf;
 pub mod fresnel;
+mod masking;
 pub(crate) mod vector;
+
+pub use masking::Masking;

@@ -9,7 +9,7 @@ use super::bin_weights::{
 };
 use super::{Facet, Ndf};
 use crate::error::QueryError;
-use crate::microfacet::beckmann;
+use crate::microfacet::{Masking, beckmann};
 use crate::overlap::Parallelogram;
 use crate::simd::Instructions;
 use glintbake_format::model::{Footprint, HalfVector, Neighbourhood};
@@ -49,6 +49,7 @@ pub struct FlakeBins<'a> {
     tables: BinTables<'a>,
     /// A package stores them once, with its finest bins.
     exact: Option<ExactNormals<'a>>,
+    masking: Masking<'a>,
     roughness: f64,
     setting: Setting,
     how: How,
@@ -66,6 +67,7 @@ impl<'a> FlakeBins<'a> {
         Ok(Self {
             tables: BinTables::open(container, instance)?,
             exact: find_exact_normals(container, instance)?,
+            masking: Masking::of_map(container, instance)?,
             roughness,
             setting: Setting::default(),
             how: How::default(),
@@ -179,6 +181,10 @@ fn find_exact_normals<'a>(
 impl Ndf for FlakeBins<'_> {
     fn instance(&self) -> &Instance {
         &self.tables.instance
+    }
+
+    fn masking(&self) -> Masking<'_> {
+        self.masking
     }
 
     fn facets(

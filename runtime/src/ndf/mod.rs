@@ -11,6 +11,7 @@ pub use flake_bins::{FlakeBins, Setting};
 pub use specular_bins::SpecularBins;
 
 use crate::error::QueryError;
+use crate::microfacet::Masking;
 use crate::microfacet::vector::dot;
 use glintbake_format::Container;
 use glintbake_format::model::{Footprint, HalfVector, Method};
@@ -31,6 +32,11 @@ pub struct Facet {
 pub trait Ndf {
     /// What was baked: map size, method, roughness.
     fn instance(&self) -> &Instance;
+
+    /// What the map's normals hide of each other, by direction; [`Masking::NONE`] if it was not baked.
+    fn masking(&self) -> Masking<'_> {
+        Masking::NONE
+    }
 
     /// Calls `visit` for every facet whose density at `half_vector` the method counts; `D` is the sum of
     /// density × weight. This is what a BRDF needs to keep masking inside the sum, \[AWKK21\] eq. 15.
@@ -138,6 +144,10 @@ impl<'a> SurfaceNdf<'a> {
 impl Ndf for SurfaceNdf<'_> {
     fn instance(&self) -> &Instance {
         self.method().instance()
+    }
+
+    fn masking(&self) -> Masking<'_> {
+        self.method().masking()
     }
 
     fn facets(

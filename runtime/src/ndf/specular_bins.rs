@@ -7,6 +7,7 @@
 use super::bin_weights::{BinWindow, How, bin_weights, check_finite, parallelogram, texel_under};
 use super::{Facet, Ndf};
 use crate::error::QueryError;
+use crate::microfacet::Masking;
 use glintbake_format::Container;
 use glintbake_format::model::{Footprint, HalfVector};
 use glintbake_format::records::Instance;
@@ -16,6 +17,7 @@ use glintbake_format::view::BinTables;
 #[derive(Clone, Copy, Debug)]
 pub struct SpecularBins<'a> {
     tables: BinTables<'a>,
+    masking: Masking<'a>,
 }
 
 impl<'a> SpecularBins<'a> {
@@ -26,6 +28,7 @@ impl<'a> SpecularBins<'a> {
     pub fn open(container: &Container<'a>, instance: &Instance) -> Result<Self, QueryError> {
         Ok(Self {
             tables: BinTables::open(container, instance)?,
+            masking: Masking::of_map(container, instance)?,
         })
     }
 }
@@ -33,6 +36,10 @@ impl<'a> SpecularBins<'a> {
 impl Ndf for SpecularBins<'_> {
     fn instance(&self) -> &Instance {
         &self.tables.instance
+    }
+
+    fn masking(&self) -> Masking<'_> {
+        self.masking
     }
 
     fn facets(
