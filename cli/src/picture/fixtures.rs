@@ -29,7 +29,8 @@ pub(super) fn flakes(method: Method, roughness: &[f64]) -> Vec<u8> {
     package(&flake_map(), MethodRecipe::new(method, roughness))
 }
 
-fn package(map: &NormalMap, recipe: MethodRecipe) -> Vec<u8> {
+/// The bytes of `map`, baked by `recipe`.
+pub(super) fn package(map: &NormalMap, recipe: MethodRecipe) -> Vec<u8> {
     bake(map, &Recipe::new(vec![recipe]), None)
         .expect("the recipe is in range")
         .to_bytes()

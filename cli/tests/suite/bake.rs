@@ -112,7 +112,9 @@ fn inspect_shows_header_instances_sections_and_where_the_map_came_from() {
         "  IBMP     2               3840  15.4 KB      4.000\n",
         input.as_str(),
         "  normals: mean (",
+        "  MASK     1               2048  4096 B       1.067\n",
         "  left out: EXNM of instance 1: not asked for; --exact-normals adds it\n",
+        "  left out: MASK of instance 3: stored once, with the first instance of the map\n",
         "  recipe  ",
         "  content ",
     ] {
@@ -121,6 +123,81 @@ fn inspect_shows_header_instances_sections_and_where_the_map_came_from() {
     for option in ["--no-mmap", "--trust", "--quiet"] {
         assert_eq!(workshop.succeeds(&["inspect", "map.glint", option]), said);
     }
+}
+
+#[test]
+fn masking_is_stored_once_and_left_out_when_asked_to() {
+    let workshop = Workshop::with_map();
+    let bake = |output: &str, extra: &[&str]| {
+        let options = ["--method=flake-bins,specular-bins", "--roughness=0.2,0.02"];
+        workshop.succeeds(&[&["bake", "map.png", "-o", output], &options[..], extra].concat());
+        workshop.succeeds(&["verify", output]);
+        let document = workshop.document(&["inspect", output, "--json"]);
+        let mut holders = Vec::new();
+        for section in document["sections"].as_array().expect("sections") {
+            if section["kind"] == "MASK" {
+                assert_eq!(section["bytes"], 4096);
+                assert_eq!(section["critical"], false);
+                holders.push(section["instance"].as_u64().expect("a number"));
+            }
+        }
+        let reasons: Vec<_> = document["metadata"]["left-out"]
+            .as_array()
+            .expect("what was left out")
+            .iter()
+            .filter(|left_out| left_out["section"] == "MASK")
+            .map(|left_out| {
+                (
+                    left_out["instance"].as_u64().expect("a number"),
+                    left_out["reason"].as_str().expect("words").to_owned(),
+                )
+            })
+            .collect();
+        let asked = document["metadata"]["recipe"]["methods"][0]["masking"].as_bool();
+        (holders, reasons, asked)
+    };
+    let once = "stored once, with the first instance of the map".to_owned();
+    assert_eq!(
+        bake("with.glint", &[]),
+        (vec![1], vec![(2, once.clone()), (3, once)], Some(true))
+    );
+    let no = "left out by --no-masking".to_owned();
+    assert_eq!(
+        bake("without.glint", &["--no-masking"]),
+        (
+            vec![],
+            vec![(1, no.clone()), (2, no.clone()), (3, no)],
+            Some(false)
+        )
+    );
+    assert!(workshop.read("with.glint").len() >= workshop.read("without.glint").len() + 4096);
+
+    // The distribution itself is the same; the option is another recipe, so the package is baked anew.
+    workshop.write(
+        "q.csv",
+        "u,v,e1u,e1v,e2u,e2v,s,t\n0.3,0.4,0.5,0,0,0.5,0.1,0\n",
+    );
+    let query = |package: &str| {
+        let options = ["--queries=q.csv", "--roughness=0.2"];
+        workshop.succeeds(&[&["query", package], &options[..]].concat())
+    };
+    assert_eq!(query("with.glint"), query("without.glint"));
+    let before = workshop.read("with.glint");
+    assert!(bake("with.glint", &["--no-masking"]).0.is_empty());
+    assert!(workshop.read("with.glint") != before);
+    // Pictures take cavities for it.
+    workshop.succeeds(&[
+        "picture",
+        "ball",
+        "without.glint",
+        "--roughness=0.2",
+        "-o=ball.png",
+    ]);
+    assert!(
+        workshop
+            .succeeds(&["bake", "--help"])
+            .contains("--no-masking")
+    );
 }
 
 #[test]

@@ -33,8 +33,8 @@ pub(super) struct Scattering {
 
 /// What the patch under `footprint` does with light from `light`, for unit directions in tangent space.
 ///
-/// The same as `brdf::eval` with [`METAL`], times cosine and [`cavity_masking`], and `brdf::pdf`, but both from
-/// one search for facets, which is where the time goes.
+/// The same as `brdf::eval` with [`METAL`], times cosine, and `brdf::pdf`, but both from one search for facets, which is
+/// where the time goes; with cavities where the package has no masking.
 pub(super) fn scattering(
     ndf: &impl Ndf,
     footprint: &Footprint,
@@ -64,7 +64,7 @@ pub(super) fn scattering(
         },
     )?;
     let cosine = dot(light, half);
-    result.value *= METAL.reflectance(cosine) * cavity_masking(light, view) / (4.0 * view[2]);
+    result.value *= METAL.reflectance(cosine) * map_masking(ndf, light, view) / (4.0 * view[2]);
     result.density /= 4.0 * cosine;
     Ok(result)
 }
@@ -81,11 +81,22 @@ pub(super) fn single_facet(ndf: &impl Ndf, light: Vector, view: Vector) -> f64 {
             * beckmann::masking(view, half, half, roughness)
     });
     let cosine = dot(light, half);
-    METAL.reflectance(cosine) * masking * cavity_masking(light, view) * cosine / view[2]
+    METAL.reflectance(cosine) * masking * map_masking(ndf, light, view) * cosine / view[2]
 }
 
-/// What facets leave of light that other facets shadow or mask, in [0, 1]: V-cavities (Torrance and Sparrow 1967,
-/// Cook and Torrance 1982 eq. 15), so that grazing light does not blow up.
+/// What facets leave of light that other facets shadow or mask, in [0, 1]: the map's own masking, or cavities if the
+/// package was baked without, so that grazing light does not blow up.
+fn map_masking(ndf: &impl Ndf, light: Vector, view: Vector) -> f64 {
+    let masking = ndf.masking();
+    if masking.is_baked() {
+        masking.g(light, view)
+    } else {
+        cavity_masking(light, view)
+    }
+}
+
+/// V-cavities (Torrance and Sparrow 1967,
+/// Cook and Torrance 1982 eq. 15), in [0, 1].
 fn cavity_masking(light: Vector, view: Vector) -> f64 {
     let half = normalised(add(light, view));
     let factor = 2.0 * half[2] / dot(view, half);
@@ -116,6 +127,7 @@ mod tests {
     use super::super::vector::scale;
     use super::*;
     use crate::picture::fixtures;
+    use glintbake_bake::MethodRecipe;
     use glintbake_format::model::Method;
     use glintbake_runtime::microfacet::brdf;
 
@@ -141,19 +153,28 @@ mod tests {
 
     #[test]
     fn value_and_density_are_those_of_the_runtime() {
-        for (method, roughness) in [
-            (Method::FlakeBins, &[0.1][..]),
-            (Method::SpecularBins, &[][..]),
-        ] {
-            let bytes = fixtures::flakes(method, roughness);
+        let flakes = MethodRecipe::new(Method::FlakeBins, &[0.1]);
+        let unmasked = MethodRecipe {
+            masking: false,
+            ..flakes.clone()
+        };
+        let mirrors = MethodRecipe::new(Method::SpecularBins, &[]);
+        for recipe in [flakes, unmasked, mirrors] {
+            let baked = recipe.masking;
+            let bytes = fixtures::package(&fixtures::flake_map(), recipe);
             let ndf = fixtures::ndf(&bytes);
             let directions = drawn(&ndf);
             assert!(directions.len() > 100);
             for (light, view) in directions {
                 let seen = scattering(&ndf, &PATCH, light, view).expect("in range");
+                let cavities = if baked {
+                    1.0
+                } else {
+                    cavity_masking(light, view)
+                };
                 let value = brdf::eval(&ndf, &PATCH, light, view, METAL).expect("in range")
                     * light[2]
-                    * cavity_masking(light, view);
+                    * cavities;
                 let density = brdf::pdf(&ndf, &PATCH, light, view).expect("in range");
                 assert!(density > 0.0);
                 assert!((seen.value - value).abs() <= 1e-12 * value);
