@@ -7,6 +7,7 @@ use crate::lies::reseal;
 use crate::tolerances::{WEIGHT, WEIGHT_SUM};
 use glintbake_format::check;
 use glintbake_format::model::{Footprint, HalfVector, Neighbourhood};
+use glintbake_runtime::microfacet::{brdf, fresnel::Fresnel};
 use glintbake_runtime::ndf::Lookup;
 use glintbake_runtime::{FlakeBins, Ndf, Package, QueryError, Setting, SurfaceNdf};
 
@@ -50,6 +51,7 @@ pub fn interrogate(bytes: &[u8]) {
         let size = [instance.width, instance.height];
         match package.ndf(instance.number) {
             Ok(ndf) => {
+                shade(&ndf, size);
                 for ndf in variants(ndf) {
                     ask(&ndf, size, is_sound);
                 }
@@ -58,6 +60,17 @@ pub fn interrogate(bytes: &[u8]) {
                 }
             }
             Err(error) => assert!(is_excused(error, is_sound), "{error}"),
+        }
+    }
+}
+
+/// Evaluates the BRDF, which looks masking up, once from above and once at a grazing angle.
+fn shade(ndf: &SurfaceNdf<'_>, size: [u32; 2]) {
+    let footprint = Footprint::square([0.3, 0.6], 3.0, size[0], size[1]);
+    for light in [[0.0, 0.6, 0.8], [0.8, -0.6, 1e-3]] {
+        let view = [0.0, 0.0, 1.0];
+        if let Ok(f) = brdf::eval(ndf, &footprint, light, view, Fresnel::Perfect) {
+            assert!(f.is_finite() && f >= 0.0, "{f}");
         }
     }
 }
@@ -77,7 +90,9 @@ fn variants(ndf: SurfaceNdf<'_>) -> Vec<SurfaceNdf<'_>> {
             Err(error) => panic!("{error}"),
         }
     }
-    if let SurfaceNdf::FlakeBins(ndf) = ndf {
+    if let SurfaceNdf::FlakeBins(ndf) = ndf
+        && ndf.instance().inverse != InverseKind::None
+    {
         let forced = [Lookup::Lists, Lookup::Scan];
         variants.extend(forced.map(|lookup| SurfaceNdf::FlakeBins(ndf.with_lookup(lookup))));
     }

@@ -56,10 +56,11 @@ fn the_recipe_hash_tells_recipes_apart() {
     };
     let base = recipe();
     let mut seen = vec![hash(&base)];
-    let changes: [fn(&mut Recipe); 7] = [
+    let changes: [fn(&mut Recipe); 8] = [
         |recipe| recipe.methods[0].roughness[0] = 0.003,
         |recipe| recipe.methods[0].leaf_size = 10,
         |recipe| recipe.methods[0].exact_normals = false,
+        |recipe| recipe.methods[0].masking = false,
         |recipe| recipe.methods[1].bins = Some(63),
         |recipe| recipe.methods.truncate(1),
         |recipe| recipe.decode.repair = true,

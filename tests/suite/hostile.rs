@@ -1,7 +1,7 @@
 //! Damaged and lying packages: a typed finding, never a panic, a hang or a wrong number that looks right.
 
 use glintbake_format::model::{Footprint, HalfVector, Neighbourhood, Wrap};
-use glintbake_format::records::{FOREST, INDEX, INSTANCES, INVERSE_BIN_MAP};
+use glintbake_format::records::{FOREST, INDEX, INSTANCES, INVERSE_BIN_MAP, MASKING};
 use glintbake_format::{Container, ENTRY_LENGTH, Fault, FourCc, HEADER_LENGTH, check};
 use glintbake_runtime::{Ndf, Package, Setting};
 use glintbake_samples::Kind;
@@ -12,7 +12,7 @@ use glintbake_tests::fixtures::{
 use glintbake_tests::lies::{reseal, section_range};
 use proptest::prelude::*;
 
-/// A small package with every kind of section: dense and sparse index, forest, exact normals.
+/// A small package with every kind of section: dense and sparse index, forest, exact normals, masking.
 fn small_package() -> Vec<u8> {
     let map = sample_map(Kind::Flakes, 12, 10, 5, Wrap::Repeat);
     forest_package(&map, &[0.4, 0.002], 2)
@@ -79,7 +79,7 @@ fn every_truncation_is_an_error_at_opening() {
 #[test]
 fn lies_in_the_data_are_found_by_structure_alone_and_survived_by_queries() {
     let sound = small_package();
-    let cases: [(FourCc, u16, Vec<u8>, Fault); 7] = [
+    let cases: [(FourCc, u16, Vec<u8>, Fault); 8] = [
         (FourCc(*b"BMAP"), 1, vec![0xFF; 2], Fault::KeyRange),
         (FourCc(*b"BMAP"), 1, vec![0x00; 4], Fault::PositionKey),
         (INDEX, 1, vec![0xFF; 4], Fault::IndexOrder),
@@ -87,6 +87,7 @@ fn lies_in_the_data_are_found_by_structure_alone_and_survived_by_queries() {
         (INVERSE_BIN_MAP, 1, vec![0xFF; 4], Fault::PositionRange),
         (FOREST, 1, vec![0xFF; 16], Fault::ForestBox),
         (FOREST, 1, vec![0x00; 16], Fault::ForestBox),
+        (MASKING, 1, vec![0xFF; 2], Fault::MaskingOrder),
     ];
     for (kind, instance, lie, fault) in cases {
         let mut bytes = sound.clone();

@@ -10,6 +10,7 @@ mod energy;
 mod flake_bins;
 mod golden;
 mod hostile;
+mod masking;
 mod opening;
 mod sampling;
 mod specular_bins;
