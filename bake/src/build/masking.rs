@@ -1,4 +1,4 @@
-//! Masking of the map's own normals, tabulated over directions: \[AWKK21\] eq. 5, G_x.
+//! Masking of the map's own normals, tabulated over directions: \[AWKK21\] eq. 5, `G_x`.
 //!
 //! ```text
 //! texels ──► cells of like slopes, with exact first moments ──► for each heading, all heights at once
@@ -25,9 +25,10 @@ const LEAST_CHUNK: usize = 1 << 20;
 
 /// The masking table of `map`: [`MaskingGrid::COUNT`] values, row by row, every texel with the same weight.
 ///
-/// `e = (Σ_k max(0, o·t_k) / max(t_k·n, LEAST_COSINE) / N - o_z) / (1 - o_z)` for each direction o of the grid, too small
-/// by up to 0.1 % where slopes are spread evenly, and exact where no cell of slopes is cut by o's horizon. O(texels),
-/// and up to 1.8 MB for each of 16 chunks; the same for any number of threads.
+/// `e = (Σ_k max(0, o·t_k) / max(t_k·n, LEAST_COSINE) / N - o_z) / (1 - o_z)` for each direction o of the grid, exact
+/// where no cell of slopes is cut by o's horizon, and else too small; together with the rounding to 16 bits that moves G1
+/// by at most 0.04 % of itself on the sample maps. O(texels), and 1.8 MB for each of up to 16 chunks; the same for any
+/// number of threads.
 pub fn build(map: &NormalMap) -> Vec<MaskingValue> {
     let cells = Cells::of(map).occupied();
     let count = map.texels().len() as f64;

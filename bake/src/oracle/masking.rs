@@ -9,10 +9,10 @@ pub const LEAST_COSINE: f64 = 0.01;
 
 /// The share, in [0, 1], of the facets that face the unit direction `ω` which it sees, if no facet knows of another.
 ///
-/// `G1(ω) = (ω·n) / Σ_k w_k max(0, ω·t_k) / max(t_k·n, LEAST_COSINE)` with w_k = 1/N, at most 1, and 1 where no facet
+/// `G1(ω) = (ω·n) / Σ_k w_k max(0, ω·t_k) / max(t_k·n, LEAST_COSINE)` with `w_k` = 1/N, at most 1, and 1 where no facet
 /// faces ω (the limit); 0 at the horizon and below. Texture area is area of the surface here, so each texel stands for
-/// 1/(t_k·n) of facet. For facets without overhang that share their mean with n it is Smith's masking (Heitz 2014,
-/// eq. 16 with 18).
+/// `1/(t_k·n)` of facet: the G1 for which the facets that ω sees project to as much as the surface does (\[Hei14\]), if it is
+/// the same for all that face ω, as Smith has it.
 pub fn masking(map: &NormalMap, omega: [f64; 3]) -> f64 {
     if omega[2] <= 0.0 {
         return 0.0;

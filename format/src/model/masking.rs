@@ -2,7 +2,7 @@
 
 /// A grid over the directions above the horizon: columns around, rows from the horizon up.
 ///
-/// A direction ω is looked at as `o = ω / (|ω_x| + |ω_y| + ω_z)`, a point of the octahedron (Cigolle et al. 2014, §3.1),
+/// A direction ω is looked at as `o = ω / (|ω_x| + |ω_y| + ω_z)`, a point of the octahedron (\[CDEHMM14\]),
 /// whose coordinates are linear in ω within a quarter turn. Its row is `ROWS √o_z`: rows lie dense at the horizon,
 /// where masking sets in within the slopes of the map, and wide around the pole, where there is none. Its column counts
 /// quarter turns from +s over +t, each divided in proportion to `|ω_y| / (|ω_x| + |ω_y|)` (or x, in odd quarters), so

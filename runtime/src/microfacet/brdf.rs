@@ -14,16 +14,19 @@ pub enum MaskingPlacement {
     #[default]
     Inside,
     /// Once for all facets, as if their normal were the half vector: no error functions in the loop, and the product of
-    /// [`Ndf::eval`] with numbers that do not depend on the footprint. Off from [`Inside`](Self::Inside), summed over
-    /// directions down to 3 degrees above the horizon, by PLACEHOLDER.
+    /// [`Ndf::eval`] with numbers that do not depend on the footprint.
+    ///
+    /// Too bright, summed over directions above 3 degrees from the horizon, by less than 0.01 % at α = 0.01, 0.5 % at 0.1
+    /// and 8 to 12 % at 0.4; above 17 degrees by less than 0.01 % up to 0.1 and 2 % at 0.4. A single value near the
+    /// horizon may be several times too large. Exact for mirror flakes.
     Factored,
 }
 
 /// The BRDF of the patch under `footprint` for unit directions `light` and `view` in tangent space, per steradian.
 ///
 /// `f = F Σ_j W_j D^α(h, b_j) G^α(i, o, h, b_j) G_x(i, o, b_j) / (4 (i·n) (o·n))`, \[AWKK21\] eq. 5 and 15 with all
-/// masking *inside* the sum; 0 below the horizon. G_x is the map's own masking for both directions, see [`Masking`](super::Masking), for
-/// facets that face both, and 0 for others. Reciprocal: light and view may be exchanged.
+/// masking *inside* the sum; 0 below the horizon. `G_x` is the map's own masking of both directions, see
+/// [`Masking`](super::Masking), for flakes that face both, and 0 for others. Reciprocal: light and view may be exchanged.
 ///
 /// # Errors
 /// As [`Ndf::facets`].

@@ -1,4 +1,4 @@
-//! Masking of the map's own normals: how much of the facets a direction sees, \[AWKK21\] eq. 5, G_x.
+//! Masking of the map's own normals: how much of the facets a direction sees, \[AWKK21\] eq. 5, `G_x`.
 
 use glintbake_format::model::MaskingGrid;
 use glintbake_format::records::Instance;
@@ -36,8 +36,9 @@ impl<'a> Masking<'a> {
     /// The share `G1` of the facets facing `direction` that it sees, in [0, 1]; 0 at the horizon and below.
     ///
     /// `G1(ω) = (ω·n) / Σ_k w_k max(0, ω·t_k) / (t_k·n)` over all texels of the map, at most 1; any length of
-    /// `direction` will do. Four values are interpolated: what is interpolated falls to no pole at the horizon, so the
-    /// error is relative, where facets have other slopes than one about 0.2 % on average. Two square roots at most.
+    /// `direction` will do. What is interpolated between four values has no pole at the horizon, so the error is a share of
+    /// G1 down to cosines of 0.001: on the sample maps 0.2 % on average and 0.7 % at most, but up to 7 % across brushes,
+    /// whose slopes all lie along one line. Two square roots.
     pub fn g1(&self, direction: [f64; 3]) -> f64 {
         let Some(place) = MaskingGrid::place_of(direction) else {
             return 0.0;
