@@ -10,6 +10,7 @@ mod energy;
 mod flake_bins;
 mod golden;
 mod hostile;
+mod masked_brdf;
 mod masking;
 mod opening;
 mod sampling;
