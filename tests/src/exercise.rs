@@ -7,6 +7,7 @@ use crate::lies::reseal;
 use crate::tolerances::{WEIGHT, WEIGHT_SUM};
 use glintbake_format::check;
 use glintbake_format::model::{Footprint, HalfVector, Neighbourhood};
+use glintbake_format::records::InverseKind;
 use glintbake_runtime::microfacet::{brdf, fresnel::Fresnel};
 use glintbake_runtime::ndf::Lookup;
 use glintbake_runtime::{FlakeBins, Ndf, Package, QueryError, Setting, SurfaceNdf};
@@ -218,7 +219,12 @@ fn compare_lookups(ndf: &FlakeBins<'_>, size: [u32; 2], is_sound: bool) {
             Ok(Some(drawn)) => drawn,
             _ => HALF_VECTORS[number % HALF_VECTORS.len()],
         };
-        let ways = [Lookup::Auto, Lookup::Lists, Lookup::Scan].map(|lookup| {
+        // A bin map alone has no lists to look up.
+        let lists = match ndf.instance().inverse {
+            InverseKind::None => Lookup::Auto,
+            InverseKind::Forest | InverseKind::Tiles => Lookup::Lists,
+        };
+        let ways = [Lookup::Auto, lists, Lookup::Scan].map(|lookup| {
             let mut weights = Vec::new();
             ndf.with_lookup(lookup)
                 .bin_weights(

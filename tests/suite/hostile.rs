@@ -6,9 +6,7 @@ use glintbake_format::{Container, ENTRY_LENGTH, Fault, FourCc, HEADER_LENGTH, ch
 use glintbake_runtime::{Ndf, Package, Setting};
 use glintbake_samples::Kind;
 use glintbake_tests::exercise::interrogate;
-use glintbake_tests::fixtures::{
-    Stream, flake_package, forest_package, sample_map, specular_package,
-};
+use glintbake_tests::fixtures::{Stream, forest_package, sample_map, specular_package};
 use glintbake_tests::lies::{reseal, section_range};
 use proptest::prelude::*;
 

@@ -40,10 +40,7 @@ fn no_more_light_leaves_a_map_than_arrives() {
     for kind in [Kind::Flakes, Kind::Noise, Kind::Scratches] {
         let map = sample_map(kind, 16, 16, 3, Wrap::Repeat);
         for alpha in [0.1, 0.4] {
-            let (masked, unmasked) = (
-                flake_package(&map, &[alpha], 32),
-                unmasked_package(&map, alpha),
-            );
+            let (masked, unmasked) = (flake_package(&map, &[alpha]), unmasked_package(&map, alpha));
             for cosine in [1.0, 0.6, 0.2, 0.05] {
                 let view = direction(cosine, 0.0);
                 let of =
@@ -72,7 +69,7 @@ fn no_more_light_leaves_a_map_than_arrives() {
 #[test]
 fn sampling_and_summing_agree_on_the_light_that_leaves() {
     let map = sample_map(Kind::Waves, 16, 16, 3, Wrap::Repeat);
-    let bytes = flake_package(&map, &[0.4], 32);
+    let bytes = flake_package(&map, &[0.4]);
     let ndf = first_ndf(&bytes).with_setting(Setting::Exact).unwrap();
     for cosine in [1.0, 0.5, 0.15] {
         let view = direction(cosine, 0.1);
@@ -98,7 +95,7 @@ fn sampling_and_summing_agree_on_the_light_that_leaves() {
 #[test]
 fn light_and_view_may_be_exchanged() {
     let map = sample_map(Kind::Leather, 64, 64, 1, Wrap::Repeat);
-    let bytes = flake_package(&map, &[0.3], 32);
+    let bytes = flake_package(&map, &[0.3]);
     let ndf = first_ndf(&bytes);
     let mut stream = Stream::new(2);
     let mut lit = 0;
@@ -122,7 +119,7 @@ fn light_and_view_may_be_exchanged() {
 fn the_brdf_is_the_unmasked_one_times_the_maps_masking() {
     // The table's value is the same for all facets, so eq. 15 with and without it differ by this factor alone.
     let map = sample_map(Kind::Flakes, 32, 32, 5, Wrap::Repeat);
-    let (masked, unmasked) = (flake_package(&map, &[0.3], 32), unmasked_package(&map, 0.3));
+    let (masked, unmasked) = (flake_package(&map, &[0.3]), unmasked_package(&map, 0.3));
     let (masked, unmasked) = (first_ndf(&masked), first_ndf(&unmasked));
     assert!(masked.masking().is_baked() && !unmasked.masking().is_baked());
     let mut stream = Stream::new(3);
@@ -175,7 +172,7 @@ fn factored_masking_is_as_near_as_documented() {
     for kind in [Kind::Flakes, Kind::Noise, Kind::Scratches, Kind::Leather] {
         let map = sample_map(kind, 64, 64, 3, Wrap::Repeat);
         for (alpha, near_horizon, above) in bounds {
-            let bytes = flake_package(&map, &[alpha], 32);
+            let bytes = flake_package(&map, &[alpha]);
             let ndf = first_ndf(&bytes);
             for (least, bound) in [(0.05, near_horizon), (0.3, above)] {
                 let (brighter, off) = factored_error(&ndf, &map, least);

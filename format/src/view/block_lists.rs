@@ -187,19 +187,16 @@ impl<'a> BlockLists<'a> {
     }
 }
 
-impl<'a> BlockList<'a> {
-    /// The blocks that lie in the tile of record number `number`, and their counts; none if the record lies.
+impl BlockList<'_> {
+    /// The places of the blocks that lie in the tile of record number `number`; empty or beyond the list if the record
+    /// lies.
     #[inline]
-    pub fn tile(&self, number: usize) -> (&'a [U16], &'a [u8]) {
+    pub fn tile(&self, number: usize) -> Range<usize> {
         let start = self.tiles.get(number).map(|tile| tile.first.get() as usize);
         let end = self
             .tiles
             .get(number.saturating_add(1))
             .map_or(self.blocks.len(), |tile| tile.first.get() as usize);
-        let range = start.unwrap_or(end)..end;
-        match (self.blocks.get(range.clone()), self.counts.get(range)) {
-            (Some(blocks), Some(counts)) => (blocks, counts),
-            _ => (&[], &[]),
-        }
+        start.unwrap_or(end)..end
     }
 }

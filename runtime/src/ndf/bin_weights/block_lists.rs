@@ -196,11 +196,10 @@ impl Page<'_> {
         let inside = if self.frame.unbounded {
             self.unbounded_blocks(list)
         } else if list.tiles.is_empty() {
-            let range = self.rows_of(list.blocks, |name| name.get() / BLOCK_TEXELS as u16);
-            match (list.blocks.get(range.clone()), list.counts.get(range)) {
-                (Some(blocks), Some(counts)) => self.blocks(blocks, counts),
-                _ => 0,
-            }
+            self.blocks(
+                list,
+                self.rows_of(list.blocks, |name| name.get() / BLOCK_TEXELS as u16),
+            )
         } else {
             self.tiles(list)
         };
@@ -224,61 +223,99 @@ impl Page<'_> {
         let range = self.rows_of(list.tiles, |tile| tile.tile.get());
         let records = list.tiles.get(range.clone()).unwrap_or_default();
         let mut inside = 0;
-        for (number, record) in (range.start..).zip(records) {
-            let relation = self.tiles.relation(
-                (u32::from(record.tile.get() % PAGE_TILES) * TILE_SIDE + self.corner[0]) as f32,
-                (u32::from(record.tile.get() / PAGE_TILES) * TILE_SIDE + self.corner[1]) as f32,
-            );
-            if relation.inside {
-                inside += u64::from(record.texels.get());
-            } else if relation.crossing {
-                let (blocks, counts) = list.tile(number);
-                inside += self.blocks(blocks, counts);
+        for (chunk, first) in records.chunks(TOGETHER).zip(range.step_by(TOGETHER)) {
+            let mut crossing = [false; TOGETHER];
+            let mut any = false;
+            for (record, crossing) in chunk.iter().zip(&mut crossing) {
+                let tile = record.tile.get();
+                let relation = self.tiles.relation(
+                    (u32::from(tile % PAGE_TILES) * TILE_SIDE + self.corner[0]) as f32,
+                    (u32::from(tile / PAGE_TILES) * TILE_SIDE + self.corner[1]) as f32,
+                );
+                inside += if relation.inside {
+                    u64::from(record.texels.get())
+                } else {
+                    0
+                };
+                *crossing = relation.crossing;
+                any |= relation.crossing;
+            }
+            if any {
+                // Each tile's blocks are in cache lines of their own: fetches them all at once.
+                for (number, _) in (first..).zip(crossing).filter(|(_, crossing)| *crossing) {
+                    let range = list.tile(number);
+                    black_box((
+                        list.blocks.get(range.start).copied(),
+                        list.counts.get(range.start).copied(),
+                    ));
+                }
+                for (number, crossing) in (first..).zip(crossing) {
+                    if crossing {
+                        inside += self.blocks(list, list.tile(number));
+                    }
+                }
             }
         }
         inside
     }
 
-    /// The texels of those of `blocks` that lie inside; marks those that cross the outline.
+    /// The texels of those blocks in `range` of `list` that lie inside; marks those that cross the outline.
     #[inline(always)]
-    fn blocks(&mut self, blocks: &[U16], counts: &[u8]) -> u64 {
+    fn blocks(&mut self, list: &BlockList<'_>, range: Range<usize>) -> u64 {
         let mut inside = 0;
-        let (chunks, rest) = blocks.as_chunks::<TOGETHER>();
-        let (count_chunks, count_rest) = counts.as_chunks::<TOGETHER>();
-        for (names, counts) in chunks.iter().zip(count_chunks) {
-            inside += u64::from(self.few_blocks(names, counts));
-        }
-        if !rest.is_empty() {
-            // A count of zero stands for no block: it neither adds nor marks.
-            let mut names = [U16::ZERO; TOGETHER];
-            let mut counts = [0; TOGETHER];
-            for ((name, count), (&stored, &number)) in names
-                .iter_mut()
-                .zip(&mut counts)
-                .zip(rest.iter().zip(count_rest))
-            {
-                *name = stored;
-                *count = number;
-            }
-            inside += u64::from(self.few_blocks(&names, &counts));
+        let mut at = range.start;
+        while at < range.end {
+            let wanted = (range.end - at).min(TOGETHER);
+            let (Some(names), Some(counts)) = (list.blocks.get(at..), list.counts.get(at..)) else {
+                break;
+            };
+            // What follows within the list may be read along, it is not counted.
+            inside += u64::from(match (names.first_chunk(), counts.first_chunk()) {
+                (Some(names), Some(counts)) => self.few_blocks(names, counts, wanted),
+                _ => {
+                    let mut last_names = [U16::ZERO; TOGETHER];
+                    let mut last_counts = [0; TOGETHER];
+                    for (slot, name) in last_names.iter_mut().zip(names) {
+                        *slot = *name;
+                    }
+                    for (slot, count) in last_counts.iter_mut().zip(counts) {
+                        *slot = *count;
+                    }
+                    self.few_blocks(&last_names, &last_counts, wanted)
+                }
+            });
+            at += TOGETHER;
         }
         inside
     }
 
+    /// [`blocks`](Self::blocks) for the first `wanted` of a few.
     #[inline(always)]
-    fn few_blocks(&mut self, names: &[U16; TOGETHER], counts: &[u8; TOGETHER]) -> u32 {
+    fn few_blocks(
+        &mut self,
+        names: &[U16; TOGETHER],
+        counts: &[u8; TOGETHER],
+        wanted: usize,
+    ) -> u32 {
         let mut inside = 0;
         let mut crossing = [false; TOGETHER];
         let mut any = false;
         let corner = self.corner.map(|corner| corner as f32);
-        for ((name, &count), crossing) in names.iter().zip(counts).zip(&mut crossing) {
+        for (place, ((name, &count), crossing)) in
+            (0_u8..).zip(names.iter().zip(counts).zip(&mut crossing))
+        {
             let (column, row) = block_place(name.get());
             let relation = self.blocks.relation(
                 (column * BLOCK_SIDE) as f32 + corner[0],
                 (row * BLOCK_SIDE) as f32 + corner[1],
             );
-            inside += if relation.inside { u32::from(count) } else { 0 };
-            *crossing = relation.crossing & (count > 0);
+            let is_wanted = place < wanted as u8;
+            inside += if relation.inside & is_wanted {
+                u32::from(count)
+            } else {
+                0
+            };
+            *crossing = relation.crossing & is_wanted;
             any |= *crossing;
         }
         if any {
