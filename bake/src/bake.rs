@@ -5,6 +5,7 @@ use crate::metadata;
 use crate::methods::{self, Bake};
 use crate::normals::NormalMap;
 use crate::package::PackagePlan;
+use crate::progress::Progress;
 use crate::recipe::{Recipe, Source};
 use glintbake_format::SectionId;
 use glintbake_format::records::{INSTANCES, Instance, METADATA};
@@ -38,12 +39,27 @@ pub fn bake(
     recipe: &Recipe,
     source: Option<&Source>,
 ) -> Result<PackagePlan, BakeError> {
+    bake_with_progress(map, recipe, source, &())
+}
+
+/// [`bake`], telling `progress` which instance is binned or built.
+///
+/// # Errors
+/// As [`bake`].
+pub fn bake_with_progress(
+    map: &NormalMap,
+    recipe: &Recipe,
+    source: Option<&Source>,
+    progress: &dyn Progress,
+) -> Result<PackagePlan, BakeError> {
     check(recipe)?;
     let inputs: Vec<_> = source.iter().map(|source| &source.input).collect();
     let mut bake = Bake {
         plan: PackagePlan::new(recipe.hash(&inputs)),
         instances: Vec::new(),
         left_out: Vec::new(),
+        progress,
+        instance_count: recipe.instance_count(),
     };
     for method in &recipe.methods {
         baker(method.method).bake(map, method, &mut bake)?;

@@ -20,9 +20,11 @@ mod methods;
 pub mod normals;
 pub mod oracle;
 pub mod package;
+mod progress;
 mod recipe;
 
-pub use bake::{bake, check};
+pub use bake::{bake, bake_with_progress, check};
 pub use error::BakeError;
 pub use package::PackagePlan;
+pub use progress::{Progress, Stage};
 pub use recipe::{DEFAULT_LEAF_SIZE, LeftOut, MethodRecipe, Recipe, Source};

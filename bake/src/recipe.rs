@@ -116,6 +116,22 @@ impl Recipe {
         }
     }
 
+    /// How many instances the package will have.
+    pub fn instance_count(&self) -> u64 {
+        let instances = |method: &MethodRecipe| method.roughness.len().max(1) as u64;
+        self.methods.iter().map(instances).sum()
+    }
+
+    /// About the most memory that a bake takes, in bytes a texel: 8 for the normals, 12 for each instance (of which
+    /// about 7 stay until the package is written), 4 for exact normals.
+    ///
+    /// For planning only. White noise below a roughness of 0.001, with nearly a bin to each texel, takes half as much
+    /// again; flakes take three quarters of it.
+    pub fn bytes_per_texel(&self) -> u64 {
+        let exact = self.methods.iter().any(|method| method.exact_normals);
+        8 + 12 * self.instance_count() + if exact { 4 } else { 0 }
+    }
+
     /// The cache key: BLAKE3 of the recipe's canonical bytes, the inputs' hashes and the algorithm's version.
     ///
     /// Two bakes with the same key give the same bytes. Names of inputs are in it, as metadata records them.

@@ -4,6 +4,7 @@ use super::{Bake, masking};
 use crate::build::{bin_map, block_lists, exact_normals, forest, inverse_bin_map};
 use crate::error::BakeError;
 use crate::normals::NormalMap;
+use crate::progress::Stage;
 use crate::recipe::MethodRecipe;
 use glintbake_format::model::{BinGrid, Filter};
 use glintbake_format::records::{
@@ -21,13 +22,15 @@ pub(super) fn add_instance(
     recipe: &MethodRecipe,
     grid: BinGrid,
     roughness: Option<f64>,
-    bake: &mut Bake,
+    bake: &mut Bake<'_>,
 ) -> Result<(), BakeError> {
     let (width, height) = (map.width(), map.height());
     if width > MAX_SIDE || height > MAX_SIDE {
         return Err(BakeError::MapTooLarge { width, height });
     }
+    bake.begin(Stage::Bins);
     let bin_map = bin_map::build(map, grid);
+    bake.begin(Stage::Structures);
     let inverse = recipe.inverse.unwrap_or(InverseKind::Tiles);
     let instance = Instance {
         layer: 0,

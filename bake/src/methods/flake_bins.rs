@@ -60,7 +60,7 @@ impl BakeMethod for FlakeBins {
         &self,
         map: &NormalMap,
         recipe: &MethodRecipe,
-        bake: &mut Bake,
+        bake: &mut Bake<'_>,
     ) -> Result<(), BakeError> {
         for &alpha in &recipe.roughness {
             let grid = BinGrid::new(Binning::DiskGrid, disk_grid_resolution(alpha))

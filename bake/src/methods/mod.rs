@@ -8,6 +8,7 @@ mod specular_bins;
 use crate::error::BakeError;
 use crate::normals::NormalMap;
 use crate::package::PackagePlan;
+use crate::progress::{Progress, Stage};
 use crate::recipe::{LeftOut, MethodRecipe};
 use glintbake_format::model::Method;
 use glintbake_format::records::Instance;
@@ -31,7 +32,7 @@ pub trait BakeMethod: Sync {
         &self,
         map: &NormalMap,
         recipe: &MethodRecipe,
-        bake: &mut Bake,
+        bake: &mut Bake<'_>,
     ) -> Result<(), BakeError>;
 }
 
@@ -47,16 +48,26 @@ pub fn find(method: Method) -> Option<&'static dyn BakeMethod> {
 }
 
 /// A package in the making.
-pub struct Bake {
+pub struct Bake<'a> {
     /// The sections so far.
     pub plan: PackagePlan,
     /// The instances so far.
     pub instances: Vec<Instance>,
     /// What was left out, and why.
     pub left_out: Vec<LeftOut>,
+    /// Who hears how far it has come.
+    pub progress: &'a dyn Progress,
+    /// How many instances there will be.
+    pub instance_count: u64,
 }
 
-impl Bake {
+impl Bake<'_> {
+    /// Tells that the next instance has come to `stage`.
+    pub fn begin(&self, stage: Stage) {
+        let done = self.instances.len() as u64;
+        self.progress.report(stage, done, self.instance_count);
+    }
+
     /// The number of the next instance.
     pub fn next_number(&self) -> u16 {
         self.instances.len() as u16 + 1

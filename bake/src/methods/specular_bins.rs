@@ -51,7 +51,7 @@ impl BakeMethod for SpecularBins {
         &self,
         map: &NormalMap,
         recipe: &MethodRecipe,
-        bake: &mut Bake,
+        bake: &mut Bake<'_>,
     ) -> Result<(), BakeError> {
         let grid = BinGrid::new(Binning::EqualSolidAngle, bins_per_side(recipe))
             .expect("checked before baking");

@@ -1,5 +1,6 @@
 //! Laying sections out and writing them as one package.
 
+use crate::progress::{Progress, Stage};
 use glintbake_format::records::SCHEMA;
 use glintbake_format::version::ALIGNMENT;
 use glintbake_format::{
@@ -21,6 +22,9 @@ impl<T: IntoBytes + Immutable + Send + Sync> Elements for Vec<T> {
         self.as_slice().as_bytes()
     }
 }
+
+/// Bytes hashed, and then written, at once: the hash finds them in memory, and the write may still in the cache.
+const PIECE: usize = 1 << 20;
 
 struct Section {
     critical: bool,
@@ -98,6 +102,19 @@ impl PackagePlan {
     /// # Errors
     /// Whatever `output` fails with.
     pub fn write<W: Write + Seek>(&self, output: &mut W) -> io::Result<u64> {
+        self.write_with_progress(output, &())
+    }
+
+    /// [`write`](Self::write), telling `progress` how many bytes are written.
+    ///
+    /// # Errors
+    /// Whatever `output` fails with.
+    pub fn write_with_progress<W: Write + Seek>(
+        &self,
+        output: &mut W,
+        progress: &dyn Progress,
+    ) -> io::Result<u64> {
+        progress.report(Stage::Write, 0, self.content_length());
         let table = self.table();
         let table_bytes = table.as_slice().as_bytes();
         let mut content = HashingWriter {
@@ -109,10 +126,15 @@ impl PackagePlan {
         content.output.write_all(&[0; HEADER_LENGTH])?;
         content.position = HEADER_LENGTH as u64;
         content.write(table_bytes)?;
+        let mut written = 0;
         for (entry, section) in table.iter().zip(self.sections.values()) {
             let gap = entry.offset.get() - content.position;
             content.write(&[0; ALIGNMENT as usize][..gap as usize])?;
-            content.write(section.elements.bytes())?;
+            for piece in section.elements.bytes().chunks(PIECE) {
+                content.write(piece)?;
+                written += piece.len() as u64;
+                progress.report(Stage::Write, written, self.content_length());
+            }
         }
         let header = Header::new(
             content.position,
@@ -126,6 +148,14 @@ impl PackagePlan {
         output.write_all(header.as_bytes())?;
         output.flush()?;
         Ok(length)
+    }
+
+    /// Bytes of all sections, without the header, the table and padding.
+    fn content_length(&self) -> u64 {
+        let lengths = self.sections.values();
+        lengths
+            .map(|section| section.elements.bytes().len() as u64)
+            .sum()
     }
 
     fn table(&self) -> Vec<SectionEntry> {
