@@ -1,9 +1,10 @@
 //! From normal maps to `.glint` packages.
 //!
 //! ```text
-//! file ──image::read──► Raster ──normals::decode──► NormalMap ──bake──► PackagePlan ──package::publish──► file
+//! file ──image::Bands──► Samples ──normals::read──► NormalMap ──bake──► PackagePlan ──package::publish──► file
 //! ```
 //!
+//! Rows become normals as they are decoded; [`image::read`] and [`normals::decode`] do the same by way of a raster.
 //! Each step takes the previous step's type and nothing else. [`oracle`] answers the same queries as a package,
 //! slowly and in f64, from a [`normals::NormalMap`] alone: it never sees baked bytes.
 //!

@@ -5,30 +5,56 @@
 
 use std::io::{self, BufRead, Read, Seek, SeekFrom};
 
-/// Width and height in the header of a PNG file, after a walk over its chunks to `IEND`.
+/// What a walk over the chunks of a PNG file finds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Png {
+    /// Columns by the header.
+    pub width: u32,
+    /// Rows by the header.
+    pub height: u32,
+    /// Whether the rows are not in order, by the header.
+    pub interlaced: bool,
+    /// Whether there is more than one picture, of which the first may be smaller than the header says.
+    pub animated: bool,
+}
+
+/// What the chunks of a PNG file say, after a walk over them to `IEND`.
 ///
 /// # Errors
 /// `UnexpectedEof` if the file ends before that; `InvalidData` if there is no header to speak of.
-pub(super) fn png(file: &mut (impl BufRead + Seek)) -> io::Result<(u32, u32)> {
+pub(super) fn png(file: &mut (impl BufRead + Seek)) -> io::Result<Png> {
     file.seek(SeekFrom::Start(8))?;
-    let mut size = None;
+    let mut found = None;
     loop {
         let length = read_u32(file)?;
         let mut kind = [0; 4];
         file.read_exact(&mut kind)?;
         let mut rest = i64::from(length);
-        if size.is_none() {
-            if kind != *b"IHDR" || length != 13 {
-                return Err(invalid("it does not begin with its header"));
+        let found = match &mut found {
+            Some(found) => found,
+            None => {
+                if kind != *b"IHDR" || length != 13 {
+                    return Err(invalid("it does not begin with its header"));
+                }
+                let (width, height) = (read_u32(file)?, read_u32(file)?);
+                // Depth, colour type, compression and filter come before.
+                let mut last = [0; 5];
+                file.read_exact(&mut last)?;
+                rest -= 13;
+                found.insert(Png {
+                    width,
+                    height,
+                    interlaced: last[4] != 0,
+                    animated: false,
+                })
             }
-            size = Some((read_u32(file)?, read_u32(file)?));
-            rest -= 8;
-        }
+        };
+        found.animated |= kind == *b"acTL" || kind == *b"fcTL";
         // Seeking beyond the end succeeds; the next read then finds out.
         file.seek_relative(rest)?;
         let _checksum = read_u32(file)?;
         if kind == *b"IEND" {
-            return size.ok_or_else(|| invalid("it has no header"));
+            return Ok(*found);
         }
     }
 }

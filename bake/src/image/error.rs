@@ -5,7 +5,7 @@ use std::io;
 /// Why a file gave no raster: every message names the file, the cause and what to do about it.
 ///
 /// Grouped by who can mend it: the path ([`Open`](Self::Open), [`NotAFile`](Self::NotAFile)), the disk
-/// ([`Io`](Self::Io)), the file ([`UnknownFormat`](Self::UnknownFormat) to [`TooLarge`](Self::TooLarge)), or the
+/// ([`Io`](Self::Io)), whoever writes to the file ([`Changed`](Self::Changed)), the file ([`UnknownFormat`](Self::UnknownFormat) to [`TooLarge`](Self::TooLarge)), or the
 /// options ([`Selection`](Self::Selection)).
 #[derive(Debug, thiserror::Error)]
 pub enum ImageError {
@@ -34,6 +34,15 @@ pub enum ImageError {
         file: String,
         /// What the system said.
         source: io::Error,
+    },
+
+    /// The file is no longer the bytes that were hashed before: run the command again when it is finished.
+    #[error(
+        "{file}: it changed while it was read; run the command again when nothing writes to it any more"
+    )]
+    Changed {
+        /// The path as given.
+        file: String,
     },
 
     /// The content is no image format this program knows: export as one that it reads.
@@ -102,4 +111,14 @@ pub enum ImageError {
         /// The layers and channels there are.
         available: String,
     },
+}
+
+impl ImageError {
+    /// The machine has no memory left for the rows of `file`.
+    pub(crate) fn out_of_memory(file: &str) -> Self {
+        Self::TooLarge {
+            file: file.to_owned(),
+            detail: "there is not enough memory for its texels".to_owned(),
+        }
+    }
 }

@@ -1,6 +1,6 @@
-//! File to samples: PNG, TGA, TIFF, JPEG, WebP and EXR become one [`Raster`].
+//! File to samples: PNG, TGA, TIFF, JPEG, WebP and EXR, by [`Bands`] of rows or as one [`Raster`].
 //!
-//! Nothing here knows what a normal is. [`read`] hands on the file's own samples in their own type, in the file's
+//! Nothing here knows what a normal is. Either hands on the file's own samples in their own type, in the file's
 //! row order (first row on top), without any colour management: normals and heights are data, so gamma, ICC
 //! profiles and Exif orientation are ignored on purpose.
 //!
@@ -13,24 +13,32 @@
 //! | EXR | half and float | layer and channels as asked, see [`ReadOptions`] |
 //!
 //! # What a hostile file can do
-//! Sizes are checked against [`Limits`] before anything of that size is allocated. Decoders that give up on a
+//! Sizes are checked against [`Limits`] before anything of that size is allocated, and memory then grows with the rows
+//! that arrive. Decoders that give up on a
 //! cut-off file by filling in grey (JPEG, WebP) or by not looking (a PNG without its end) are not believed: such a
 //! file is [`ImageError::Truncated`]. A decoder that panics is caught, and the file is [`ImageError::Corrupt`]; its
 //! message is kept off standard error by a panic hook, installed once, that stays silent only for the thread that
 //! is decoding at that moment and passes every other panic on to the hook that was there before.
 
+mod bands;
 mod complete;
 mod error;
 mod exr_channels;
 mod guard;
 mod identity;
 mod open_exr;
+mod paged;
+mod png_rows;
 mod raster;
 mod read;
 #[cfg(test)]
 mod tests;
+mod tiff_rows;
+mod whole;
 
+pub use bands::Bands;
 pub use error::ImageError;
-pub use identity::{InputFile, identify};
-pub use raster::{Format, Layout, Raster, Samples};
+pub use identity::{HashedFile, InputFile, identify};
+pub use raster::{Format, Header, Layout, Raster, SampleType, Samples};
+pub(crate) use raster::{each_type, reserve};
 pub use read::{Limits, ReadOptions, read};

@@ -1,32 +1,35 @@
-//! Opening, recognising and decoding a file.
+//! Opening and recognising a file, and the limits it must keep.
 
+use super::bands::Bands;
 use super::error::ImageError;
-use super::identity::file_name;
-use super::raster::{Format, Layout, Raster, Samples};
-use super::{complete, guard, open_exr};
-use ::image::{ColorType, ImageDecoder, ImageFormat, ImageReader};
+use super::paged::PagedFile;
+use super::raster::{Format, Raster, Samples};
+use ::image::ImageFormat;
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
-use zerocopy::IntoBytes;
 
 /// The largest image that is decoded.
 ///
-/// A header beyond it is refused before anything of its size is allocated.
+/// A header beyond it is refused before anything of its size is allocated. Memory goes by texels, whatever the shape
+/// of the map, and grows with the rows that have really come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Columns.
     pub width: u32,
     /// Rows.
     pub height: u32,
+    /// Texels in all.
+    pub texels: u64,
 }
 
 impl Default for Limits {
-    /// 16384 × 16384.
+    /// 65 535 × 65 535, the largest map a package can hold, but no more texels than 16 384 × 16 384.
     fn default() -> Self {
         Self {
-            width: 16_384,
-            height: 16_384,
+            width: 65_535,
+            height: 65_535,
+            texels: 1 << 28,
         }
     }
 }
@@ -35,25 +38,41 @@ impl Default for Limits {
 const WIDEST_TEXEL: u64 = 16;
 
 /// What decoders may allocate besides the image: tables, rows, profiles. Generous, but not an image.
-const WORKING_MEMORY: u64 = 64 << 20;
+pub(super) const WORKING_MEMORY: u64 = 64 << 20;
 
 impl Limits {
     /// Refuses a size beyond the limits.
     pub(super) fn check(self, file: &str, width: u64, height: u64) -> Result<(), ImageError> {
-        if width <= u64::from(self.width) && height <= u64::from(self.height) {
+        let beyond = if width > u64::from(self.width) || height > u64::from(self.height) {
+            format!("the limit of {} x {}", self.width, self.height)
+        } else if width * height > self.most_texels() {
+            format!(
+                "the {} in all that the memory limit leaves room for (see --memory)",
+                self.most_texels()
+            )
+        } else {
             return Ok(());
-        }
+        };
         Err(ImageError::TooLarge {
             file: file.to_owned(),
-            detail: format!(
-                "its header says {width} x {height} texels, beyond the limit of {} x {}",
-                self.width, self.height
-            ),
+            detail: format!("its header says {width} x {height} texels, beyond {beyond}"),
         })
     }
 
-    fn texels(self) -> u64 {
-        u64::from(self.width) * u64::from(self.height)
+    /// The texels allowed, and no more than memory has addresses for.
+    fn most_texels(self) -> u64 {
+        let sides = u64::from(self.width) * u64::from(self.height);
+        self.texels.min(sides).min(isize::MAX as u64 / WIDEST_TEXEL)
+    }
+
+    /// The most bytes that decoding the largest image may take.
+    pub(super) fn budget(self) -> u64 {
+        (self.most_texels() * WIDEST_TEXEL).saturating_add(WORKING_MEMORY)
+    }
+
+    /// The longest file that is read into memory: no compressed image is larger than an uncompressed one.
+    pub(super) fn longest_file(self) -> u64 {
+        (self.most_texels() * 4).saturating_add(WORKING_MEMORY)
     }
 }
 
@@ -78,37 +97,19 @@ pub struct ReadOptions {
 
 /// The image in the file at `path`, with its samples in their own type.
 ///
-/// The file is read through a buffer, except that JPEG is held in memory as a whole by its decoder; the peak is the
-/// raster plus that, or twice the raster for TIFF.
+/// The peak is the raster and what [`Bands`] needs besides.
 ///
 /// # Errors
-/// Every [`ImageError`]; never a panic, whatever the file holds.
+/// Every [`ImageError`] but [`ImageError::Changed`]; never a panic, whatever the file holds.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Raster, ImageError> {
-    let (file, length) = open(path)?;
-    let shown = path.display().to_string();
-    let mut file = BufReader::with_capacity(64 * 1024, file);
-    let format = recognise(path, &shown, &mut file, length)?;
-    let name = file_name(path);
-    let asks_for_exr = options.exr_layer.is_some() || options.exr_channels.is_some();
-    if asks_for_exr && format != Format::OpenExr {
-        return Err(ImageError::Selection {
-            file: shown,
-            detail: "a layer or channels were asked for, which only OpenEXR files have by name"
-                .to_owned(),
-            available: format!("one {} image", format.name()),
-        });
+    let mut bands = Bands::open(path, options)?;
+    let header = bands.header().clone();
+    let mut samples = Samples::none(header.kind);
+    while let Some(band) = bands.next_band()? {
+        let appended = samples.append(band, header.sample_count());
+        appended.map_err(|_| ImageError::out_of_memory(&path.display().to_string()))?;
     }
-    let decoded = guard::catch(|| match format {
-        Format::OpenExr => open_exr::read(file, &shown, &name, options),
-        _ => decode(file, &shown, &name, format, length, options.limits),
-    });
-    decoded.unwrap_or_else(|panic| {
-        Err(ImageError::Corrupt {
-            file: shown,
-            format: format.name(),
-            detail: format!("the decoder gave up on it ({panic})"),
-        })
-    })
+    Ok(Raster::from_parts(header, samples))
 }
 
 /// The opened file and its length.
@@ -134,11 +135,10 @@ pub(super) fn open(path: &Path) -> Result<(File, u64), ImageError> {
 }
 
 /// The format by the first bytes; TGA, which has no signature, by the file name.
-fn recognise(
+pub(super) fn recognise(
     path: &Path,
     shown: &str,
-    file: &mut BufReader<File>,
-    length: u64,
+    file: &mut PagedFile,
 ) -> Result<Format, ImageError> {
     let unknown = |found: String| ImageError::UnknownFormat {
         file: shown.to_owned(),
@@ -148,7 +148,7 @@ fn recognise(
         file: shown.to_owned(),
         source,
     };
-    if length == 0 {
+    if file.length() == 0 {
         return Err(unknown("is empty".to_owned()));
     }
     let mut start = Vec::with_capacity(16);
@@ -176,101 +176,6 @@ fn recognise(
     }
 }
 
-/// Decodes anything but EXR.
-fn decode(
-    mut file: BufReader<File>,
-    shown: &str,
-    name: &str,
-    format: Format,
-    length: u64,
-    limits: Limits,
-) -> Result<Raster, ImageError> {
-    let io_error = |source: io::Error| from_io(shown, format, source);
-    let image_format = match format {
-        Format::Png => {
-            let (width, height) = complete::png(&mut file).map_err(io_error)?;
-            limits.check(shown, width.into(), height.into())?;
-            ImageFormat::Png
-        }
-        Format::Jpeg => {
-            // The decoder reads the whole file first; no compressed image is larger than an uncompressed one.
-            if length > limits.texels() * 4 + WORKING_MEMORY {
-                return Err(ImageError::TooLarge {
-                    file: shown.to_owned(),
-                    detail: format!("{length} bytes is more than the largest image would need"),
-                });
-            }
-            complete::jpeg(&mut file).map_err(io_error)?;
-            ImageFormat::Jpeg
-        }
-        Format::WebP => {
-            complete::webp(&mut file, length).map_err(io_error)?;
-            ImageFormat::WebP
-        }
-        Format::Tiff => ImageFormat::Tiff,
-        Format::Tga => ImageFormat::Tga,
-        Format::OpenExr => unreachable!("read by its own decoder"),
-    };
-    file.seek(SeekFrom::Start(0)).map_err(io_error)?;
-
-    let mut reader = ImageReader::with_format(file, image_format);
-    // The crate's default of 512 MiB would refuse a 16384² map. Sides are left to our own check below, which can
-    // name them.
-    let mut budget = ::image::Limits::no_limits();
-    budget.max_alloc = Some(limits.texels() * WIDEST_TEXEL + WORKING_MEMORY);
-    reader.limits(budget);
-    let from_image = |error| from_image(shown, format, error);
-    let decoder = reader.into_decoder().map_err(from_image)?;
-    let (width, height) = decoder.dimensions();
-    limits.check(shown, width.into(), height.into())?;
-    if width == 0 || height == 0 {
-        return Err(ImageError::Corrupt {
-            file: shown.to_owned(),
-            format: format.name(),
-            detail: format!("its header says {width} x {height} texels"),
-        });
-    }
-
-    let color = decoder.color_type();
-    let layout = match color.channel_count() {
-        1 => Layout::Gray,
-        2 => Layout::GrayAlpha,
-        3 => Layout::Rgb,
-        _ => Layout::Rgba,
-    };
-    let count = width as usize * height as usize * layout.channels();
-    // `vec![0; n]` asks the system for zero pages, which cost nothing until the decoder fills them.
-    let samples = match color {
-        ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
-            let mut samples = vec![0_u8; count];
-            decoder.read_image(&mut samples).map_err(from_image)?;
-            Samples::U8(samples)
-        }
-        ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
-            let mut samples = vec![0_u16; count];
-            decoder
-                .read_image(samples.as_mut_bytes())
-                .map_err(from_image)?;
-            Samples::U16(samples)
-        }
-        ColorType::Rgb32F | ColorType::Rgba32F => {
-            let mut samples = vec![0_f32; count];
-            decoder
-                .read_image(samples.as_mut_bytes())
-                .map_err(from_image)?;
-            Samples::F32(samples)
-        }
-        other => {
-            return Err(ImageError::Unsupported {
-                file: shown.to_owned(),
-                format: format.name(),
-                detail: format!("its samples are {other:?}"),
-            });
-        }
-    };
-    Ok(Raster::new(name, width, height, format, layout, samples))
-}
-
 /// An error of the file system, sorted into the file's fault or the disk's.
 pub(super) fn from_io(shown: &str, format: Format, source: io::Error) -> ImageError {
     let file = shown.to_owned();
@@ -293,7 +198,7 @@ pub(super) fn from_io(shown: &str, format: Format, source: io::Error) -> ImageEr
 }
 
 /// An error of the image crate in our words.
-fn from_image(shown: &str, format: Format, error: ::image::ImageError) -> ImageError {
+pub(super) fn from_image(shown: &str, format: Format, error: ::image::ImageError) -> ImageError {
     let file = shown.to_owned();
     match error {
         ::image::ImageError::IoError(source) => from_io(shown, format, source),

@@ -52,6 +52,20 @@ pub enum NormalsError {
         remedy: &'static str,
     },
 
+    /// The machine has no memory left for the normals: scale the map down, or cut it.
+    #[error(
+        "{name}: there is not enough memory for {width} x {height} normals of 8 bytes; scale the map down or cut it \
+         into tiles"
+    )]
+    Memory {
+        /// What the raster is called.
+        name: String,
+        /// Columns of the map.
+        width: u32,
+        /// Rows of the map.
+        height: u32,
+    },
+
     /// An option that has no meaning for this input, or a value out of range: leave it out.
     #[error("{name}: {option} {reason}")]
     Option {

@@ -1,7 +1,7 @@
 //! Heights to normals.
 
-use super::vectors::without_negative_zero;
-use crate::image::Samples;
+use super::coding::without_negative_zero;
+use crate::image::{Samples, each_type};
 use glintbake_format::model::Wrap;
 use rayon::prelude::*;
 
@@ -10,8 +10,6 @@ use rayon::prelude::*;
 pub(super) struct Grid {
     pub width: usize,
     pub height: usize,
-    /// Samples from one height to the next; the first of a texel counts.
-    pub channels: usize,
     pub wrap: Wrap,
 }
 
@@ -19,11 +17,7 @@ pub(super) struct Grid {
 ///
 /// (-∂h/∂column, ∂h/∂row, 1), normalised, as the documentation of the module says.
 pub(super) fn convert(samples: &Samples, grid: Grid, texels_per_sample: f64) -> Vec<[f32; 2]> {
-    match samples {
-        Samples::U8(samples) => rows(samples, grid, texels_per_sample),
-        Samples::U16(samples) => rows(samples, grid, texels_per_sample),
-        Samples::F32(samples) => rows(samples, grid, texels_per_sample),
-    }
+    each_type!(samples, samples => rows(samples, grid, texels_per_sample))
 }
 
 fn rows<S: Copy + Sync + Into<f64>>(samples: &[S], grid: Grid, scale: f64) -> Vec<[f32; 2]> {
@@ -32,11 +26,8 @@ fn rows<S: Copy + Sync + Into<f64>>(samples: &[S], grid: Grid, scale: f64) -> Ve
         .par_chunks_mut(grid.width)
         .enumerate()
         .for_each(|(row, texels)| {
-            let line = |row: usize| {
-                let length = grid.width * grid.channels;
-                &samples[row * length..][..length]
-            };
-            let at = |line: &[S], column: usize| -> f64 { line[column * grid.channels].into() };
+            let line = |row: usize| &samples[row * grid.width..][..grid.width];
+            let at = |line: &[S], column: usize| -> f64 { line[column].into() };
             let down = Difference::at(row, grid.height, grid.wrap);
             let (above, here, below) = (line(down.before), line(row), line(down.after));
             for (column, texel) in texels.iter_mut().enumerate() {

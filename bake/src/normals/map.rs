@@ -1,6 +1,8 @@
 //! The decoded normal map that every structure and the oracle start from.
 
+use super::vectors::CHUNK_TEXELS;
 use glintbake_format::model::Wrap;
+use rayon::prelude::*;
 
 /// A map of unit normals in tangent space, as points (s, t) of the projected disk.
 ///
@@ -28,13 +30,15 @@ impl NormalMap {
             u64::from(width) * u64::from(height),
             "a {width} x {height} map needs as many texels"
         );
-        for texel in &mut texels {
-            assert!(
-                texel[0].is_finite() && texel[1].is_finite(),
-                "texels must be finite"
-            );
-            *texel = inside_disk(*texel);
-        }
+        texels.par_chunks_mut(CHUNK_TEXELS).for_each(|texels| {
+            for texel in texels {
+                assert!(
+                    texel[0].is_finite() && texel[1].is_finite(),
+                    "texels must be finite"
+                );
+                *texel = inside_disk(*texel);
+            }
+        });
         Self {
             width,
             height,

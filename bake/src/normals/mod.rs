@@ -1,4 +1,5 @@
-//! Samples to unit normals: from a [`Raster`](crate::image::Raster) to a [`NormalMap`] and its [`Statistics`].
+//! Samples to unit normals: from a file ([`read()`]) or a [`Raster`](crate::image::Raster) ([`decode()`]) to a
+//! [`NormalMap`] and its [`Statistics`].
 //!
 //! # From sample to component
 //! With `M = 2^bits - 1` for integer samples `x`:
@@ -37,10 +38,12 @@
 //! for ever. The first channel counts, be it grey or red; NaN and infinite heights are the bad texels here.
 //!
 //! # Cost
-//! 8 bytes a texel beside the raster, which is dropped on return; about 20 ns a texel on one thread. The result,
-//! statistics included, does not depend on the number of threads.
+//! 8 bytes a texel, beside the raster if there is one; about 20 ns a texel on one thread. The result, statistics
+//! included, depends neither on the number of threads nor on the bands in which samples come.
 
 mod channels;
+mod check;
+mod coding;
 mod decode;
 mod error;
 mod height;
@@ -48,6 +51,7 @@ mod map;
 mod options;
 mod repair;
 mod statistics;
+mod stream;
 #[cfg(test)]
 mod tests;
 mod vectors;
@@ -57,3 +61,4 @@ pub use error::NormalsError;
 pub use map::NormalMap;
 pub use options::{Channels, DecodeOptions, GreenAxis, Input, Range, Zero};
 pub use statistics::{Lattice, Lengths, Statistics};
+pub use stream::read;

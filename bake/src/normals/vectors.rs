@@ -1,176 +1,13 @@
-//! Stored components to points of the disk.
-//!
-//! Components are kept as *numerators*: integers of the file's lattice, exact in f64, over a common denominator that
-//! cancels when a vector is normalised. `2 x - 255` over 255, or `x - 128` over 127.
+//! The vectors of a map, converted and counted chunk by chunk.
 
 use super::channels::Places;
-use super::decode::RIM_STEPS;
-use super::options::{DecodeOptions, GreenAxis, Range, Zero};
-use crate::image::Samples;
+use super::coding::Coding;
+use crate::image::{Samples, each_type, reserve};
 use rayon::prelude::*;
+use std::collections::TryReserveError;
 
 /// Texels converted, and summed up, as one piece of work. Fixed, so that no sum depends on the number of threads.
 pub(super) const CHUNK_TEXELS: usize = 1 << 14;
-
-/// Smallest length of a vector of floats that has a direction: the smallest half float, 2⁻²⁴.
-const SHORTEST_FLOAT: f64 = 1.0 / 16_777_216.0;
-
-/// Lattice step of floats: that of half floats between 1/2 and 1, 2⁻¹¹.
-const FLOAT_STEP: f64 = 1.0 / 2048.0;
-
-/// How samples become numerators, and how far these may be off.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Coding {
-    factor: f64,
-    offset: f64,
-    /// Numerators below stand for this one (the second -1 of `--zero 128`).
-    least: f64,
-    /// The numerator of 1.
-    unit: f64,
-    /// Vectors shorter than this have no direction.
-    shortest: f64,
-    /// How far beyond the rim a component may lie.
-    rim: f64,
-    /// -1 where the second component points down, else 1.
-    up: f64,
-}
-
-impl Coding {
-    /// The coding of `samples` under `options`, whose lattice, if it is one, has every `stride`-th value of the type.
-    pub(super) fn new(samples: &Samples, options: &DecodeOptions, stride: u16) -> Self {
-        let up = match options.green {
-            GreenAxis::Gl => 1.0,
-            GreenAxis::Dx => -1.0,
-        };
-        let Some(maximum) = samples.maximum() else {
-            let (factor, offset) = match options.range {
-                Range::Unorm => (2.0, -1.0),
-                Range::Auto | Range::Snorm => (1.0, 0.0),
-            };
-            return Self {
-                factor,
-                offset,
-                least: f64::NEG_INFINITY,
-                unit: 1.0,
-                shortest: SHORTEST_FLOAT,
-                rim: RIM_STEPS * FLOAT_STEP,
-                up,
-            };
-        };
-        let (factor, offset, unit) = match options.zero {
-            Zero::Half => (2.0, -f64::from(maximum), f64::from(maximum)),
-            Zero::Centred => {
-                let centre = f64::from(maximum / 2) + 1.0;
-                (1.0, -centre, centre - 1.0)
-            }
-        };
-        let step = factor * f64::from(stride);
-        Self {
-            factor,
-            offset,
-            least: -unit,
-            unit,
-            shortest: step,
-            rim: RIM_STEPS * step,
-            up,
-        }
-    }
-
-    /// The lattice step as a component.
-    pub(super) fn step(&self) -> f64 {
-        self.shortest / self.unit
-    }
-
-    #[inline]
-    fn numerator(&self, sample: impl Into<f64>) -> f64 {
-        (sample.into() * self.factor + self.offset).max(self.least)
-    }
-
-    /// The normal of three numerators.
-    fn three(&self, [x, y, z]: [f64; 3]) -> Result<Vector, &'static str> {
-        let squared = x * x + y * y + z * z;
-        if !squared.is_finite() {
-            return Err("a component is not a finite number");
-        }
-        let length = squared.sqrt();
-        if length < self.shortest {
-            return Err("it has no length, and so no direction");
-        }
-        if z < -self.rim {
-            return Err("it points below the surface");
-        }
-        let (along, clamped) = if z >= 0.0 {
-            (length, false)
-        } else {
-            ((x * x + y * y).sqrt(), true)
-        };
-        if along < self.shortest {
-            return Err("it has no length, and so no direction");
-        }
-        Ok(Vector {
-            point: self.point(x / along, y / along),
-            length,
-            clamped,
-        })
-    }
-
-    /// The normal of two numerators.
-    fn two(&self, [x, y]: [f64; 2]) -> Result<Vector, &'static str> {
-        let (s, t) = (x / self.unit, y / self.unit);
-        let squared = s * s + t * t;
-        if !squared.is_finite() {
-            return Err("a component is not a finite number");
-        }
-        if squared <= 1.0 {
-            return Ok(Vector {
-                point: self.point(s, t),
-                length: self.unit,
-                clamped: false,
-            });
-        }
-        let length = squared.sqrt();
-        if length > 1.0 + self.rim / self.unit {
-            return Err("it lies outside the unit disk");
-        }
-        Ok(Vector {
-            point: self.point(s / length, t / length),
-            length: self.unit,
-            clamped: true,
-        })
-    }
-
-    #[inline]
-    fn point(&self, s: f64, t: f64) -> [f32; 2] {
-        without_negative_zero([s, t * self.up])
-    }
-
-    /// The normal of a texel whose sample at each of `places` is `sample`.
-    fn vector(
-        &self,
-        places: &Places,
-        sample: impl Fn(usize) -> f64,
-    ) -> Result<Vector, &'static str> {
-        let at = |place| self.numerator(sample(place));
-        match *places {
-            Places::Three([x, y, z]) => self.three([at(x), at(y), at(z)]),
-            Places::Two([x, y]) => self.two([at(x), at(y)]),
-        }
-    }
-}
-
-/// The point in f32; a zero is positive, so that equal normals are equal bytes.
-#[inline]
-pub(super) fn without_negative_zero([s, t]: [f64; 2]) -> [f32; 2] {
-    [s as f32 + 0.0, t as f32 + 0.0]
-}
-
-/// A normal, and what became of it.
-struct Vector {
-    point: [f32; 2],
-    /// Before normalising, as a numerator.
-    length: f64,
-    clamped: bool,
-}
 
 /// What was met among some texels.
 #[derive(Clone, Copy, Debug)]
@@ -219,91 +56,161 @@ impl Tally {
     }
 }
 
-/// Disk points of all texels, NaN where there is none, and what was met; lengths are relative to 1.
-pub(super) fn convert(
-    samples: &Samples,
+/// Disk points of a map, NaN where there is none, as far as its samples have come.
+///
+/// Sums run over chunks of fixed size, counted from the first texel, each in the order of its texels: a chunk that
+/// begins in one band goes on in the next, so that no figure depends on where bands end.
+pub(super) struct Conversion {
     channels: usize,
-    places: &Places,
-    coding: &Coding,
-) -> (Vec<[f32; 2]>, Tally) {
-    let mut tally;
-    let texels;
-    match samples {
-        Samples::U8(samples) => (texels, tally) = all(samples, channels, places, coding),
-        Samples::U16(samples) => (texels, tally) = all(samples, channels, places, coding),
-        Samples::F32(samples) => (texels, tally) = all(samples, channels, places, coding),
-    }
-    tally.length_sum /= coding.unit;
-    tally.shortest /= coding.unit;
-    tally.longest /= coding.unit;
-    (texels, tally)
+    places: Places,
+    coding: Coding,
+    texels: Vec<[f32; 2]>,
+    /// Texels there will be.
+    total: usize,
+    /// What was met in whole chunks.
+    tally: Tally,
+    /// What was met in the chunk that is not yet whole.
+    chunk: Tally,
+    first_bad: Option<FirstBad>,
 }
 
-/// Why texel `index` is bad.
-pub(super) fn fault(
-    samples: &Samples,
-    channels: usize,
-    places: &Places,
-    coding: &Coding,
-    index: usize,
-) -> &'static str {
-    let vector = coding.vector(places, |place| {
-        let at = index * channels + place;
-        match samples {
-            Samples::U8(samples) => samples[at].into(),
-            Samples::U16(samples) => samples[at].into(),
-            Samples::F32(samples) => samples[at].into(),
+/// The first texel that is no normal.
+#[derive(Clone, Debug)]
+pub(super) struct FirstBad {
+    /// Its number, row by row.
+    pub index: usize,
+    /// Its samples as the file holds them: "(128, 127, 255)".
+    pub value: String,
+    /// What is wrong with them.
+    pub reason: &'static str,
+}
+
+impl Conversion {
+    /// No texels yet of `total`, which have `channels` samples each.
+    pub(super) fn new(channels: usize, places: Places, coding: Coding, total: usize) -> Self {
+        Self {
+            channels,
+            places,
+            coding,
+            texels: Vec::new(),
+            total,
+            tally: Tally::NONE,
+            chunk: Tally::NONE,
+            first_bad: None,
         }
-    });
-    vector.err().unwrap_or("it is valid")
-}
+    }
 
-/// [`chunked`] for the number of channels known when compiling, which halves the time.
-fn all<S: Copy + Sync + Into<f64>>(
-    samples: &[S],
-    channels: usize,
-    places: &Places,
-    coding: &Coding,
-) -> (Vec<[f32; 2]>, Tally) {
-    match channels {
-        2 => chunked(samples.as_chunks::<2>().0, places, coding),
-        3 => chunked(samples.as_chunks::<3>().0, places, coding),
-        4 => chunked(samples.as_chunks::<4>().0, places, coding),
-        other => unreachable!("{other} channels hold no normal, and have been refused"),
+    /// Converts the next `samples`, of whole texels.
+    pub(super) fn push(&mut self, samples: &Samples) -> Result<(), TryReserveError> {
+        let first = self.texels.len();
+        let more = samples.len() / self.channels;
+        reserve(&mut self.texels, more, self.total)?;
+        self.texels.resize(first + more, [0.0; 2]);
+        each_type!(samples, samples => self.convert(samples, first));
+        if self.first_bad.is_none() {
+            let met = self.tally.then(&self.chunk).first_bad;
+            self.first_bad = met.map(|index| self.look_at(samples, index, index - first));
+        }
+        Ok(())
+    }
+
+    /// The points, what was met (lengths are relative to 1), and the first texel that is none.
+    pub(super) fn finish(self) -> (Vec<[f32; 2]>, Tally, Option<FirstBad>) {
+        let mut tally = self.tally.then(&self.chunk);
+        tally.length_sum /= self.coding.unit;
+        tally.shortest /= self.coding.unit;
+        tally.longest /= self.coding.unit;
+        (self.texels, tally, self.first_bad)
+    }
+
+    /// The places of the components, and the coding.
+    pub(super) fn rules(&self) -> (Places, Coding) {
+        (self.places, self.coding)
+    }
+
+    /// [`chunked`](Self::chunked) for the number of channels known when compiling, which halves the time.
+    fn convert<S: Copy + Sync + Into<f64>>(&mut self, samples: &[S], first: usize) {
+        match self.channels {
+            2 => self.chunked(samples.as_chunks::<2>().0, first),
+            3 => self.chunked(samples.as_chunks::<3>().0, first),
+            4 => self.chunked(samples.as_chunks::<4>().0, first),
+            other => unreachable!("{other} channels hold no normal, and have been refused"),
+        }
+    }
+
+    fn chunked<S: Copy + Sync + Into<f64>, const C: usize>(
+        &mut self,
+        samples: &[[S; C]],
+        first: usize,
+    ) {
+        let (places, coding) = self.rules();
+        let texels = &mut self.texels[first..];
+        let begun = first % CHUNK_TEXELS;
+        let rest = if begun == 0 { 0 } else { CHUNK_TEXELS - begun };
+        let (end, texels) = texels.split_at_mut(rest.min(samples.len()));
+        let (end_samples, samples) = samples.split_at(end.len());
+        convert_chunk(end, end_samples, &places, &coding, &mut self.chunk, first);
+        if end.len() < rest {
+            return;
+        }
+        let first = first + rest;
+        let tallies: Vec<Tally> = texels
+            .par_chunks_mut(CHUNK_TEXELS)
+            .zip(samples.par_chunks(CHUNK_TEXELS))
+            .enumerate()
+            .map(|(chunk, (texels, samples))| {
+                let mut tally = Tally::NONE;
+                let first = first + chunk * CHUNK_TEXELS;
+                convert_chunk(texels, samples, &places, &coding, &mut tally, first);
+                tally
+            })
+            .collect();
+        for tally in tallies {
+            self.tally = self.tally.then(&self.chunk);
+            self.chunk = tally;
+        }
+    }
+
+    /// Texel `index`, which is number `place` among `samples`.
+    fn look_at(&self, samples: &Samples, index: usize, place: usize) -> FirstBad {
+        let at = |channel: &usize| place * self.channels + channel;
+        let values = each_type!(samples, samples => {
+            let values = self.places.as_slice().iter();
+            values.map(|channel| samples[at(channel)].to_string()).collect::<Vec<_>>()
+        });
+        let vector = self.coding.vector(
+            &self.places,
+            |channel| each_type!(samples, samples => samples[at(&channel)].into()),
+        );
+        FirstBad {
+            index,
+            value: format!("({})", values.join(", ")),
+            reason: vector.err().unwrap_or("it is valid"),
+        }
     }
 }
 
-fn chunked<S: Copy + Sync + Into<f64>, const C: usize>(
+/// Converts texels of one chunk, of which `first` is the number of the first, and counts them.
+fn convert_chunk<S: Copy + Into<f64>, const C: usize>(
+    texels: &mut [[f32; 2]],
     samples: &[[S; C]],
     places: &Places,
     coding: &Coding,
-) -> (Vec<[f32; 2]>, Tally) {
-    let mut texels = vec![[0.0; 2]; samples.len()];
-    let tallies: Vec<Tally> = texels
-        .par_chunks_mut(CHUNK_TEXELS)
-        .zip(samples.par_chunks(CHUNK_TEXELS))
-        .enumerate()
-        .map(|(chunk, (texels, samples))| {
-            let mut tally = Tally::NONE;
-            let mut index = chunk * CHUNK_TEXELS;
-            for (texels, samples) in texels.chunks_mut(BLOCK).zip(samples.chunks(BLOCK)) {
-                let plain = match (<&mut Block<_>>::try_from(&mut *texels), samples.try_into()) {
-                    (Ok(texels), Ok(samples)) => {
-                        plain_block(texels, samples, places, coding, &mut tally)
-                    }
-                    // The last texels of a map.
-                    _ => false,
-                };
-                if !plain {
-                    any_block(texels, samples, places, coding, &mut tally, index);
-                }
-                index += texels.len();
-            }
-            tally
-        })
-        .collect();
-    let tally = tallies.iter().fold(Tally::NONE, Tally::then);
-    (texels, tally)
+    tally: &mut Tally,
+    first: usize,
+) {
+    let mut index = first;
+    for (texels, samples) in texels.chunks_mut(BLOCK).zip(samples.chunks(BLOCK)) {
+        let plain = match (<&mut Block<_>>::try_from(&mut *texels), samples.try_into()) {
+            (Ok(texels), Ok(samples)) => plain_block(texels, samples, places, coding, tally),
+            // The last texels of a chunk that a band has cut, or of the map.
+            _ => false,
+        };
+        if !plain {
+            any_block(texels, samples, places, coding, tally, index);
+        }
+        index += texels.len();
+    }
 }
 
 /// Texels that are tried together, in loops a compiler can turn into vector instructions.

@@ -53,8 +53,9 @@ fn a_header_that_lies_is_refused_by_its_numbers() {
     for (width, height) in [
         (1_u32 << 31, 1_u32),
         (0x7fff_ffff, 0x7fff_ffff),
-        (16_385, 1),
-        (1, 16_385),
+        (65_536, 1),
+        (1, 65_536),
+        (16_385, 16_384),
     ] {
         let mut bytes = honest.clone();
         bytes[16..20].copy_from_slice(&width.to_be_bytes());
@@ -83,16 +84,25 @@ fn limits_can_be_set() {
     let folder = folder();
     let bytes = png(&[0; 18], [3, 2], ExtendedColorType::Rgb8);
     let path = write(&folder, "map.png", &bytes);
-    let limited = |width, height| {
+    let limited = |width, height, texels| {
         let options = ReadOptions {
-            limits: Limits { width, height },
+            limits: Limits {
+                width,
+                height,
+                texels,
+            },
             ..ReadOptions::default()
         };
         read(&path, &options)
     };
-    assert!(limited(3, 2).is_ok());
-    assert!(matches!(limited(2, 2), Err(ImageError::TooLarge { .. })));
-    assert!(matches!(limited(3, 1), Err(ImageError::TooLarge { .. })));
+    assert!(limited(3, 2, u64::MAX).is_ok());
+    assert!(limited(9, 9, 6).is_ok());
+    for (width, height, texels) in [(2, 2, 9), (3, 1, 9), (9, 9, 5)] {
+        assert!(matches!(
+            limited(width, height, texels),
+            Err(ImageError::TooLarge { .. })
+        ));
+    }
 }
 
 /// One small noisy file of each format.

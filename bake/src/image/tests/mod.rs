@@ -1,5 +1,6 @@
 //! Files made in code, read back, and broken on purpose.
 
+mod bands;
 mod exr_files;
 mod hostile;
 

@@ -1,5 +1,6 @@
 //! Decoding against values worked out by hand, and against what must not change.
 
+mod bands;
 mod heights;
 mod refused;
 
