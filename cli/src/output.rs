@@ -1,11 +1,21 @@
 //! Where words go: results to standard output, progress and warnings to standard error.
 
 use crate::exit::{CommandError, Failure};
+use glintbake_bake::{Progress, Stage};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use std::io::{self, IsTerminal, Write};
-use std::sync::OnceLock;
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
+
+/// How often progress is drawn where nothing is reported.
+const TICK: Duration = Duration::from_millis(100);
+
+/// Stages of known size.
+const BAR: &str = "{spinner} {msg:8} {bar:32} {percent:>3} %, {elapsed} elapsed, {eta} left";
+
+/// Stages that are one piece of work.
+const SPINNER: &str = "{spinner} {msg:8} {elapsed}";
 
 /// The two streams, and how much to say on them.
 #[derive(Debug)]
@@ -94,8 +104,16 @@ impl Console {
         let bar = ProgressBar::new_spinner()
             .with_style(ProgressStyle::default_spinner())
             .with_message(what);
-        bar.enable_steady_tick(Duration::from_millis(100));
+        bar.enable_steady_tick(TICK);
         bar
+    }
+
+    /// The stages of a bake on standard error, on a terminal only: a bar and the time left where the size is known.
+    pub fn stages(&self) -> Stages {
+        Stages {
+            hidden: self.quiet || !io::stderr().is_terminal(),
+            shown: Mutex::new(None),
+        }
     }
 
     fn print(&self, text: &str) {
@@ -106,6 +124,63 @@ impl Console {
             }
             _ => {}
         }
+    }
+}
+
+/// One line that shows the stage at hand, and goes when it is dropped.
+#[derive(Debug)]
+pub struct Stages {
+    hidden: bool,
+    shown: Mutex<Option<Shown>>,
+}
+
+/// The line of a stage.
+#[derive(Debug)]
+struct Shown {
+    stage: Stage,
+    bar: ProgressBar,
+}
+
+impl Drop for Shown {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Stages {
+    /// Removes the line, before other lines are written.
+    pub fn clear(&self) {
+        *self.lock() = None;
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Option<Shown>> {
+        // A panic elsewhere leaves at worst the line of an older stage.
+        self.shown.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Progress for Stages {
+    fn report(&self, stage: Stage, done: u64, total: u64) {
+        if self.hidden {
+            return;
+        }
+        let mut shown = self.lock();
+        if let Some(shown) = shown.as_ref().filter(|shown| shown.stage == stage) {
+            shown.bar.set_position(done);
+            return;
+        }
+        // A new line for each: one that changes would show a stage with the numbers of another for a moment.
+        *shown = None;
+        let template = if total > 1 { BAR } else { SPINNER };
+        let style = ProgressStyle::with_template(template)
+            .expect("a template that has been tested")
+            .progress_chars("=> ");
+        let bar = ProgressBar::new(total)
+            .with_style(style)
+            .with_message(stage.name())
+            .with_position(done);
+        bar.enable_steady_tick(TICK);
+        *shown = Some(Shown { stage, bar });
     }
 }
 
@@ -120,5 +195,17 @@ pub fn human_bytes(bytes: u64) -> String {
         0..=9_999 => format!("{bytes} B"),
         10_000..=999_999 => format!("{:.1} KB", bytes as f64 / 1e3),
         _ => format!("{:.2} MB", bytes as f64 / 1e6),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn templates_are_templates() {
+        for template in [BAR, SPINNER] {
+            assert!(ProgressStyle::with_template(template).is_ok(), "{template}");
+        }
     }
 }

@@ -3,6 +3,7 @@
 use super::select::method;
 use crate::exit::{CommandError, Failure};
 use clap::Args;
+use glintbake_bake::image::ReadOptions;
 use glintbake_bake::normals::{Channels, DecodeOptions, GreenAxis, Input, Range, Zero};
 use glintbake_bake::{BakeError, DEFAULT_LEAF_SIZE, MethodRecipe, Recipe};
 use glintbake_format::model::{Method, Wrap, beckmann_from_intrinsic};
@@ -64,6 +65,11 @@ pub struct BakeArgs {
     /// How the image is read
     #[command(flatten)]
     pub decode: DecodeArgs,
+
+    /// Most memory a bake may take, as in 6GB or 500MB; a map that would take more is refused before it is read.
+    /// Counted as 8 bytes a texel and 12 for each instance
+    #[arg(long, default_value = "16GB", value_name = "SIZE", value_parser = memory)]
+    pub memory: u64,
 
     /// Write a rule for make or ninja that names what the package depends on
     #[arg(long, value_name = "FILE")]
@@ -163,6 +169,15 @@ fn inverse(name: &str) -> Result<IndexChoice, String> {
     match kinds.iter().find(|kind| kind.name() == name) {
         Some(&kind) => Ok(IndexChoice(Some(kind))),
         None => Err("it must be one of auto, forest, tiles, none".to_owned()),
+/// Bytes, from a number with the unit MB or GB (decimal, as sizes are printed).
+fn memory(text: &str) -> Result<u64, String> {
+    let parsed = [("GB", 1e9), ("MB", 1e6)]
+        .into_iter()
+        .find_map(|(unit, bytes)| Some((text.strip_suffix(unit)?.trim_end(), bytes)))
+        .and_then(|(number, bytes)| Some(number.parse::<f64>().ok()? * bytes));
+    match parsed {
+        Some(bytes) if (1e6..=1e15).contains(&bytes) => Ok(bytes as u64),
+        _ => Err("give a number with a unit, such as 6GB or 500MB, of at least 1MB".to_owned()),
     }
 }
 
@@ -213,6 +228,13 @@ impl BakeArgs {
             }
         }
         Ok(recipe)
+    }
+
+    /// How the image is read: what `recipe` says, within `--memory`.
+    pub fn read_options(&self, recipe: &Recipe) -> ReadOptions {
+        let mut options = recipe.read_options();
+        options.limits.texels = self.memory / recipe.bytes_per_texel();
+        options
     }
 
     /// Beckmann roughnesses, however they were given.

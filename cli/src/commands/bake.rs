@@ -5,7 +5,7 @@ use crate::args::BakeArgs;
 use crate::exit::{CommandError, Failure};
 use crate::output::{Console, human_bytes};
 use crate::picture::{ball, png};
-use glintbake_bake::image::{self, InputFile};
+use glintbake_bake::image::{HashedFile, InputFile};
 use glintbake_bake::normals::{self, Statistics};
 use glintbake_bake::package::publish;
 use glintbake_bake::{Recipe, Source};
@@ -33,29 +33,30 @@ pub fn run(arguments: &BakeArgs, console: &Console) -> Result<(), CommandError> 
             .filter_map(|(option, path)| Some((option, path.as_deref()?))),
     );
     paths::check(Some(&arguments.image), &outputs)?;
-    let progress = console.progress("reading");
-    let input = image::identify(&arguments.image)?;
-    let up_to_date = !arguments.force && is_up_to_date(&arguments.output, &recipe, &input);
+    let stages = console.stages();
+    let file = HashedFile::open(&arguments.image, &stages)?;
+    let input = file.identity();
+    let up_to_date = !arguments.force && is_up_to_date(&arguments.output, &recipe, input);
     if !up_to_date {
-        let raster = image::read(&arguments.image, &recipe.read_options())?;
-        progress.set_message("decoding");
-        let (map, statistics) = normals::decode(raster, &recipe.decode)
-            .map_err(|error| with_folder(error.into(), &input, &arguments.image))?;
-        let source = Source { input, statistics };
-        progress.set_message("baking");
-        let plan = glintbake_bake::bake(&map, &recipe, Some(&source))?;
+        let read_options = arguments.read_options(&recipe);
+        let (map, statistics) = normals::read(&file, &read_options, &recipe.decode, &stages)
+            .map_err(|error| with_folder(error.into(), input, &arguments.image))?;
+        let source = Source {
+            input: input.clone(),
+            statistics,
+        };
+        let plan = glintbake_bake::bake_with_progress(&map, &recipe, Some(&source), &stages)?;
         drop(map);
-        progress.set_message("writing");
         publish(&arguments.output, |file| {
-            // Sections are written whole, so only the table and the padding gain from the buffer.
+            // Sections are written in large pieces, so only the table and the padding gain from the buffer.
             let mut output = BufWriter::new(file);
-            plan.write(&mut output)?;
+            plan.write_with_progress(&mut output, &stages)?;
             output.flush()
         })?;
-        progress.finish_and_clear();
+        stages.clear();
         warn(console, &source.statistics, arguments);
     }
-    progress.finish_and_clear();
+    stages.clear();
     if let Some(depfile) = &arguments.depfile {
         write_depfile(depfile, &arguments.output, &arguments.image)?;
     }

@@ -137,9 +137,32 @@ fn a_png_that_claims_more_texels_than_any_memory_holds_is_refused_by_its_header(
         &[],
         &[
             "2147483647 x 2147483647",
-            "limit of 16384 x 16384",
+            "limit of 65535 x 65535",
             "cut it into tiles",
         ],
+    );
+}
+
+#[test]
+fn a_map_beyond_the_memory_limit_is_refused_before_it_is_read() {
+    let workshop = Workshop::new();
+    files::rgb8(&workshop.path("map.png"), (256, 200), files::leaning);
+    // 51 200 texels: 20 bytes each with one roughness, 32 with two.
+    let bake = ["bake", "map.png", "-o=map.glint", "--memory=1.2MB"];
+    workshop.succeeds(&[&bake[..], &["--roughness=0.1"]].concat());
+    refuses(
+        &workshop,
+        3,
+        "map.png",
+        &["--roughness=0.2", "--memory=1.2MB"],
+        &["256 x 200 texels", "37500", "--memory"],
+    );
+    refuses(
+        &workshop,
+        3,
+        "map.png",
+        &["--memory=1MB"],
+        &["50000", "--memory"],
     );
 }
 

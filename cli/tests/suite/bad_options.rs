@@ -148,3 +148,37 @@ fn sizes_of_pictures_are_checked_before_the_package_is_opened() {
     ball("--pixels=0", &["--pixels", "from 1 to 16384"]);
     workshop.refuses(2, &["picture", "cube", "map.glint"], &["cube"]);
 }
+
+#[test]
+fn memory_is_a_size_with_its_unit() {
+    let workshop = Workshop::new();
+    for size in [
+        "6", "GB", "6GiB", "-1GB", "0GB", "0.5MB", "nanGB", "infGB", "1e9GB", "6 gb",
+    ] {
+        let option = format!("--memory={size}");
+        let bake = [
+            "bake",
+            "map.png",
+            "-o=map.glint",
+            "--roughness=0.1",
+            &option,
+        ];
+        let run = workshop.run(&bake);
+        assert_eq!(run.code, Some(2), "{size}: {run:#?}");
+        assert!(
+            run.stderr.contains("such as 6GB or 500MB"),
+            "{size}: {run:#?}"
+        );
+    }
+    let sound = Workshop::with_map();
+    for size in ["6GB", "500MB", "0.25GB", "6 GB"] {
+        let option = format!("--memory={size}");
+        sound.succeeds(&[
+            "bake",
+            "map.png",
+            "-o=map.glint",
+            "--roughness=0.1",
+            &option,
+        ]);
+    }
+}
