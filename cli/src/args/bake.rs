@@ -169,6 +169,9 @@ fn inverse(name: &str) -> Result<IndexChoice, String> {
     match kinds.iter().find(|kind| kind.name() == name) {
         Some(&kind) => Ok(IndexChoice(Some(kind))),
         None => Err("it must be one of auto, forest, tiles, none".to_owned()),
+    }
+}
+
 /// Bytes, from a number with the unit MB or GB (decimal, as sizes are printed).
 fn memory(text: &str) -> Result<u64, String> {
     let parsed = [("GB", 1e9), ("MB", 1e6)]
