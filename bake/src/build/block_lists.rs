@@ -56,9 +56,11 @@ pub fn build(bin_map: &BinMap, width: u32, height: u32) -> BlockLists {
         })
         .collect();
     let occupied: usize = pages.iter().map(|page| page.keys.len()).sum();
-    // A start for every key of every page, or a key and a start for every list.
+    // A start for every key of every page, or a key and a start for every list. The first is read directly, the other
+    // searched by every query: that must save more than about 1 % of the package.
     let all = bin_map.key_count as usize * pages.len();
-    let dense = 8 * all <= 12 * occupied;
+    let texels = width as usize * height as usize;
+    let dense = 8 * all <= 12 * occupied + texels / 32;
     let mut lists = BlockLists::default();
     for page in pages {
         page.append_to(&mut lists, dense.then_some(bin_map.key_count));

@@ -116,7 +116,7 @@ fn add_bin_map(bin_map: bin_map::BinMap, instance: &Instance, bake: &mut Bake) {
         bin_map::Keys::Wide(keys) => bake.plan.add(id, keys),
     }
     if bin_map.occupied.is_empty() {
-        let reason = "a sparse index would not save 1 %; keys are bin numbers";
+        let reason = "a sparse index would not save 5 %; keys are bin numbers";
         bake.leave_out(instance, "BINS", reason);
     } else {
         bake.plan

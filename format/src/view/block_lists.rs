@@ -129,6 +129,11 @@ impl<'a> BlockLists<'a> {
         first..first.saturating_add(length as u32)
     }
 
+    /// Where each list begins, and the last one's end; what [`list`](Self::list) reads.
+    pub fn starts(&self) -> &'a [ListStart] {
+        self.starts
+    }
+
     /// How many blocks and tiles the lists `lists` have together, as far as their starts can be believed.
     #[inline]
     pub fn sizes(&self, lists: Range<u32>) -> (u32, u32) {

@@ -4,11 +4,10 @@ use super::frame::Frame;
 use super::keys::StoredKey;
 use super::scan::missing;
 use super::sums::Sums;
-use super::window::KeyRuns;
+use super::window::{KeyRuns, RUNS, WINDOW};
 use crate::error::QueryError;
 use crate::overlap::{SquareProbe, TexelBox};
-use crate::simd::Work;
-use core::hint::black_box;
+use crate::simd::{Work, fetch};
 use core::ops::Range;
 use glintbake_format::model::{
     BLOCK_SIDE, BLOCK_TEXELS, PAGE_SIDE, TILE_SIDE, block_name, block_place,
@@ -58,12 +57,16 @@ impl Work for Traversal<'_> {
                     blocks: frame.squares(f64::from(BLOCK_SIDE)),
                     tiles: frame.squares(f64::from(TILE_SIDE)),
                     tile_rows: tile_rows(&rows, page_row),
+                    rows_of_tiles: tile_rows(&(0..frame.blocks.rows), page_row).end.max(1),
                     outline: Marks::new(),
                 };
                 let number = page_row * lists.layout.columns + page_column;
-                let mut window = WindowLists::new(lists, number, runs)?;
-                while let Some((place, list)) = window.next()? {
-                    page.add_list(sums, place, &list);
+                let window = WindowLists::new(lists, number, runs)?;
+                for (_, list) in window.as_slice() {
+                    page.fetch(list);
+                }
+                for (place, list) in window.as_slice() {
+                    page.add_list(sums, *place, list);
                 }
                 page.scan_outline(sums, runs)?;
             }
@@ -80,8 +83,7 @@ pub(super) fn count_map(
     times: u64,
 ) -> Result<(), QueryError> {
     for page in 0..lists.layout.count() {
-        let mut window = WindowLists::new(lists, page, runs)?;
-        while let Some((place, list)) = window.next()? {
+        for (place, list) in WindowLists::new(lists, page, runs)?.as_slice() {
             let texels: u64 = if list.tiles.is_empty() {
                 list.counts.iter().map(|&count| u64::from(count)).sum()
             } else {
@@ -90,73 +92,81 @@ pub(super) fn count_map(
                     .map(|tile| u64::from(tile.texels.get()))
                     .sum()
             };
-            sums.add_inside(place, texels.saturating_mul(times));
+            sums.add_inside(*place, texels.saturating_mul(times));
         }
     }
     Ok(())
 }
 
-/// The lists of a window in one page, with the places of their keys.
+/// The lists of a window in one page that are not empty, with the places of their keys.
 struct WindowLists<'w> {
-    lists: &'w BlockLists<'w>,
-    of_page: Range<u32>,
-    runs: &'w KeyRuns,
-    /// Number of the next run.
-    next_run: usize,
-    /// Lists of the run before it.
-    numbers: Range<u32>,
-    start: u32,
-    count: u32,
-    first_place: u32,
+    lists: [(u32, BlockList<'w>); WINDOW * WINDOW],
+    count: usize,
 }
 
 impl<'w> WindowLists<'w> {
-    fn new(lists: &'w BlockLists<'w>, page: u32, runs: &'w KeyRuns) -> Result<Self, QueryError> {
+    #[inline(always)]
+    fn new(lists: &BlockLists<'w>, page: u32, runs: &KeyRuns) -> Result<Self, QueryError> {
         let of_page = lists.lists(page)?;
-        // Fetches the runs' starts all at once.
-        for (start, count, _) in runs.iter() {
+        let mut numbers = [const { 0..0 }; RUNS];
+        for ((start, count, _), numbers) in runs.iter().zip(&mut numbers) {
             if count > 0 {
-                let numbers =
-                    lists.lists_of_keys(of_page.clone(), start..start.saturating_add(count));
-                black_box(lists.sizes(numbers));
+                *numbers = lists.lists_of_keys(of_page.clone(), start..start.saturating_add(count));
+                fetch(lists.starts(), numbers.start as usize);
+                fetch(lists.starts(), numbers.end as usize);
             }
         }
-        Ok(Self {
-            lists,
-            of_page,
-            runs,
-            next_run: 0,
-            numbers: 0..0,
-            start: 0,
+        let mut found = Self {
+            lists: [(0, BlockList::default()); WINDOW * WINDOW],
             count: 0,
-            first_place: 0,
-        })
+        };
+        for ((start, count, first_place), numbers) in runs.iter().zip(numbers) {
+            for number in numbers {
+                let list = lists.list(number)?;
+                let key = lists.key(number, number - of_page.start);
+                if let Some(slot) = found.lists.get_mut(found.count) {
+                    *slot = (first_place + key.saturating_sub(start).min(count - 1), list);
+                    found.count += usize::from(!list.blocks.is_empty());
+                }
+            }
+        }
+        Ok(found)
     }
 
-    /// The next list that is not empty, and its place.
-    #[inline(always)]
-    fn next(&mut self) -> Result<Option<(u32, BlockList<'w>)>, QueryError> {
-        loop {
-            if let Some(number) = self.numbers.next() {
-                let list = self.lists.list(number)?;
-                if !list.blocks.is_empty() {
-                    let key = self.lists.key(number, number - self.of_page.start);
-                    let within = key.saturating_sub(self.start).min(self.count - 1);
-                    return Ok(Some((self.first_place + within, list)));
-                }
-                continue;
+    fn as_slice(&self) -> &[(u32, BlockList<'w>)] {
+        self.lists.get(..self.count).unwrap_or_default()
+    }
+}
+
+/// The number of `records` that are `before`, which come first: as `partition_point`, but looking near `guess` first,
+/// where the cache lines have been asked for.
+#[inline(always)]
+fn search<T>(records: &[T], guess: usize, before: impl Fn(&T) -> bool) -> usize {
+    let (mut low, mut high) = (0, records.len());
+    let mut step = 4;
+    let mut at = guess.min(records.len().saturating_sub(1));
+    while low < high {
+        match records.get(at) {
+            Some(record) if before(record) => {
+                low = at + 1;
+                at = if high - low > step {
+                    low + step
+                } else {
+                    low + (high - low) / 2
+                };
             }
-            let Some((start, count, place)) = self.runs.get(self.next_run) else {
-                return Ok(None);
-            };
-            self.next_run += 1;
-            if count > 0 {
-                (self.start, self.count, self.first_place) = (start, count, place);
-                let keys = start..start.saturating_add(count);
-                self.numbers = self.lists.lists_of_keys(self.of_page.clone(), keys);
+            _ => {
+                high = at;
+                at = if high - low > step {
+                    high - step
+                } else {
+                    low + (high - low) / 2
+                };
             }
         }
+        step *= 2;
     }
+    low
 }
 
 /// The pages, of `count` in a row, that a footprint from `low` to `high` meets.
@@ -186,6 +196,8 @@ struct Page<'a> {
     tiles: SquareProbe,
     /// The rows of tiles that may hold weight.
     tile_rows: Range<u16>,
+    /// All of the page's rows of tiles.
+    rows_of_tiles: u16,
     /// Blocks on the outline that hold a wanted key.
     outline: Marks,
 }
@@ -206,15 +218,43 @@ impl Page<'_> {
         sums.add_inside(place, inside);
     }
 
+    /// Asks for the part of `list` that [`add_list`](Self::add_list) will look at first.
+    #[inline(always)]
+    fn fetch(&self, list: &BlockList<'_>) {
+        if list.tiles.is_empty() {
+            let guess = self.guess(list.blocks.len(), self.tile_rows.start);
+            let middle = self.guess(list.blocks.len(), self.tile_rows.end);
+            fetch(list.blocks, guess);
+            fetch(list.blocks, middle);
+            fetch(list.counts, guess);
+        } else {
+            fetch(
+                list.tiles,
+                self.guess(list.tiles.len(), self.tile_rows.start),
+            );
+        }
+    }
+
+    /// Where among `count` records those in row `row` of tiles begin, if a list's texels lie evenly.
+    #[inline(always)]
+    fn guess(&self, count: usize, row: u16) -> usize {
+        count * usize::from(row) / usize::from(self.rows_of_tiles)
+    }
+
     /// The part of `records`, in rising order of their tiles, in the rows of tiles that may hold weight.
     #[inline(always)]
     fn rows_of<T>(&self, records: &[T], tile: impl Fn(&T) -> u16) -> Range<usize> {
         if records.len() <= SEARCHED {
             return 0..records.len();
         }
-        let before = |row: u16| records.partition_point(|record| tile(record) / PAGE_TILES < row);
-        let start = before(self.tile_rows.start);
-        start..before(self.tile_rows.end).max(start)
+        let before = |record: &T, row: u16| tile(record) / PAGE_TILES < row;
+        let Range { start, end } = self.tile_rows;
+        let first = search(records, self.guess(records.len(), start), |record| {
+            before(record, start)
+        });
+        let rest = records.get(first..).unwrap_or_default();
+        let guess = self.guess(records.len(), end).saturating_sub(first);
+        first..first + search(rest, guess, |record| before(record, end))
     }
 
     /// The texels of the tiles of `list` that lie inside, and of the blocks inside of those that do not.
@@ -241,13 +281,13 @@ impl Page<'_> {
                 any |= relation.crossing;
             }
             if any {
-                // Each tile's blocks are in cache lines of their own: fetches them all at once.
-                for (number, _) in (first..).zip(crossing).filter(|(_, crossing)| *crossing) {
-                    let range = list.tile(number);
-                    black_box((
-                        list.blocks.get(range.start).copied(),
-                        list.counts.get(range.start).copied(),
-                    ));
+                // Each tile's blocks are in cache lines of their own: asks for all of them first.
+                for (number, crossing) in (first..).zip(crossing) {
+                    if crossing {
+                        let start = list.tile(number).start;
+                        fetch(list.blocks, start);
+                        fetch(list.counts, start);
+                    }
                 }
                 for (number, crossing) in (first..).zip(crossing) {
                     if crossing {
@@ -382,8 +422,9 @@ impl Page<'_> {
             }
             if let KeyLayout::Blocks(layout) = layout {
                 for &(column, row) in waiting {
-                    let block = keys.get(layout.block(column, row)..).unwrap_or_default();
-                    black_box((block.first().copied(), block.get(BLOCK_TEXELS / 2).copied()));
+                    let block = layout.block(column, row);
+                    fetch(keys, block);
+                    fetch(keys, block + BLOCK_TEXELS / 2);
                 }
             }
             for &(column, row) in waiting {

@@ -22,6 +22,8 @@ pub(super) struct Frame<'a> {
     probe: Probe<'a>,
     block_probe: SquareProbe,
     texel_probe: SquareProbe,
+    /// The rows of texels that may hold weight, unless the frame is unbounded.
+    rows: Range<u32>,
     /// Whether the footprint reaches beyond the border of a clamped map, whose border texels then have no end.
     pub unbounded: bool,
 }
@@ -42,6 +44,12 @@ impl<'a> Frame<'a> {
             probe: Probe::new(footprint, outline),
             block_probe: SquareProbe::new(footprint, SIDE, reach),
             texel_probe: SquareProbe::new(footprint, 1.0, reach),
+            rows: {
+                // A cast saturates.
+                let bounds = footprint.bounds();
+                libm::floor(bounds.low[1] - 0.5) as u32
+                    ..(libm::floor(bounds.high[1] + 0.5) as u32).saturating_add(1)
+            },
             unbounded: shape.wrap == Wrap::Clamp && !shape.holds(footprint),
         }
     }
@@ -161,8 +169,9 @@ impl<'a> Frame<'a> {
         let (left, top) = (column * BLOCK_SIDE, row * BLOCK_SIDE);
         let (width, height) = (self.tables.instance.width, self.tables.instance.height);
         let slow = self.unbounded | !self.is_whole(column, row);
-        for (keys, row) in keys.as_chunks::<LINE>().0.iter().zip(top..) {
-            if row >= height || !K::any_wanted(keys, runs) {
+        let rows = &self.rows;
+        for (keys, row) in keys.as_chunks::<LINE>().0.iter().zip(top..height) {
+            if (!slow & ((row < rows.start) | (row >= rows.end))) || !K::any_wanted(keys, runs) {
                 continue;
             }
             let mut places = K::places(keys, runs);

@@ -6,14 +6,16 @@ use super::sums::Sums;
 use super::window::KeyRuns;
 use crate::error::QueryError;
 use crate::scan::Budget;
-use crate::simd::Work;
-use core::hint::black_box;
+use crate::simd::{Work, fetch};
+use core::ops::Range;
 use glintbake_format::model::BLOCK_TEXELS;
 use glintbake_format::view::{BinTables, KeyLayout, Keys};
 use glintbake_format::{Fault, Finding};
 
 /// Keys looked at together. Many, since most blocks hold none that is wanted.
 const TOGETHER: usize = 32;
+/// Blocks of the next row that are asked for in advance; the processor foresees the rest of a long row by itself.
+const FETCHED: usize = 16;
 
 /// Adds the weights of all texels under the footprint of `frame` whose keys are in `runs` to `sums`.
 pub(super) struct Scan<'s> {
@@ -45,17 +47,19 @@ fn scan_keys<K: StoredKey>(
 ) -> Result<(), QueryError> {
     let layout = frame.tables.bin_map.layout;
     let mut space = [K::default(); BLOCK_TEXELS];
-    for row in frame.block_rows() {
-        let columns = frame.block_columns(row);
+    let rows = frame.block_rows();
+    let mut next = frame.block_columns(rows.start);
+    fetch_blocks(layout, keys, next.clone(), rows.start);
+    for row in rows.clone() {
+        let columns = next;
+        next = if row + 1 < rows.end {
+            frame.block_columns(row + 1)
+        } else {
+            0..0
+        };
+        // Blocks of the next row, pages away, come while those of this one are looked at.
+        fetch_blocks(layout, keys, next.clone(), row + 1);
         budget.spend(columns.len() as u64 * BLOCK_TEXELS as u64)?;
-        if let KeyLayout::Blocks(layout) = layout {
-            // Fetches the blocks all at once: what is loaded here is not waited for, while the branches on each
-            // block's keys are.
-            for column in columns.clone() {
-                let block = keys.get(layout.block(column, row)..).unwrap_or_default();
-                black_box((block.first().copied(), block.get(BLOCK_TEXELS / 2).copied()));
-            }
-        }
         for column in columns {
             let relation = frame.block(column, row);
             if !(relation.inside | relation.crossing) {
@@ -72,6 +76,18 @@ fn scan_keys<K: StoredKey>(
         }
     }
     Ok(())
+}
+
+/// Asks for the blocks in `columns` of row `row`, as far as a cache can hold them until they are looked at.
+#[inline(always)]
+fn fetch_blocks<K: StoredKey>(layout: KeyLayout, keys: &[K], columns: Range<u32>, row: u32) {
+    if let KeyLayout::Blocks(layout) = layout {
+        for column in columns.take(FETCHED) {
+            let block = layout.block(column, row);
+            fetch(keys, block);
+            fetch(keys, block + BLOCK_TEXELS / 2);
+        }
+    }
 }
 
 /// Counts the texels of a block that lies inside.

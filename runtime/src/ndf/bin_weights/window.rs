@@ -185,18 +185,6 @@ impl KeyRuns {
             .map(|(start, _, place)| place + (key - start))
     }
 
-    /// First key, number of keys and first place of run number `run`.
-    pub fn get(&self, run: usize) -> Option<(u32, u32, u32)> {
-        match (
-            self.starts.get(run),
-            self.counts.get(run),
-            self.places.get(run),
-        ) {
-            (Some(&start), Some(&count), Some(&place)) => Some((start, count, place)),
-            _ => None,
-        }
-    }
-
     /// First key, number of keys and first place of each run.
     pub fn iter(&self) -> impl Iterator<Item = (u32, u32, u32)> {
         self.starts
