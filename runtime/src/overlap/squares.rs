@@ -72,6 +72,27 @@ impl SquareProbe {
             crossing: !(inside | outside),
         }
     }
+
+    /// How eight squares in a row lie to the footprint, the first with its upper left corner at texel (`column`, `row`)
+    /// and each `side` texels right of the one before: a bit each for those inside and those crossing, the first lowest.
+    #[inline(always)]
+    pub fn row_of_eight(&self, column: f32, row: f32, side: f32) -> [u8; 2] {
+        let mut inside = [0; 8];
+        let mut crossing = [0; 8];
+        for (number, (inside, crossing)) in (0_u8..).zip(inside.iter_mut().zip(&mut crossing)) {
+            let relation = self.relation(column + f32::from(number) * side, row);
+            *inside = u8::from(relation.inside);
+            *crossing = u8::from(relation.crossing);
+        }
+        [inside, crossing].map(pack)
+    }
+}
+
+/// The lowest bits of eight bytes, the first byte's lowest.
+#[inline(always)]
+fn pack(bytes: [u8; 8]) -> u8 {
+    // Each byte is multiplied to its own bit of the highest byte, and no two products meet in a bit.
+    (u64::from_le_bytes(bytes).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u8
 }
 
 #[cfg(test)]
@@ -79,6 +100,14 @@ mod tests {
     use super::*;
     use crate::overlap::{Probe, TexelBox};
     use glintbake_format::model::{Footprint, Wrap};
+
+    #[test]
+    fn packing_keeps_the_order() {
+        for bits in 0..=255_u8 {
+            let bytes = core::array::from_fn(|place| bits >> place & 1);
+            assert_eq!(pack(bytes), bits);
+        }
+    }
 
     #[test]
     fn nothing_is_called_inside_or_outside_that_the_slow_test_calls_crossing() {

@@ -6,17 +6,16 @@ use super::scan::missing;
 use super::sums::Sums;
 use super::window::{KeyRuns, RUNS, WINDOW};
 use crate::error::QueryError;
-use crate::overlap::{SquareProbe, TexelBox};
+use crate::overlap::TexelBox;
 use crate::simd::{Work, fetch};
 use core::ops::Range;
 use glintbake_format::model::{
     BLOCK_SIDE, BLOCK_TEXELS, PAGE_SIDE, TILE_SIDE, block_name, block_place,
 };
 use glintbake_format::view::{BlockList, BlockLists, KeyLayout, Keys};
-use zerocopy::little_endian::U16;
 
-/// Blocks tested together. Where each of them lies is anyone's guess, so nothing branches on it.
-const TOGETHER: usize = 16;
+/// Tiles of a list that are looked at together.
+const TOGETHER: usize = 32;
 /// Lists longer than this are first cut down to the rows of tiles that the footprint meets.
 const SEARCHED: usize = 32;
 /// Blocks on the outline that are fetched at once.
@@ -45,21 +44,12 @@ impl Work for Traversal<'_> {
             lists,
             runs,
         } = self;
-        let rows = frame.block_rows();
         let TexelBox { low, high } = frame.footprint.bounds();
         let unbounded = frame.unbounded;
         let page_columns = page_range(low[0], high[0], lists.layout.columns, unbounded);
         for page_row in page_range(low[1], high[1], lists.layout.rows, unbounded) {
             for page_column in page_columns.clone() {
-                let mut page = Page {
-                    frame,
-                    corner: [page_column * PAGE_SIDE, page_row * PAGE_SIDE],
-                    blocks: frame.squares(f64::from(BLOCK_SIDE)),
-                    tiles: frame.squares(f64::from(TILE_SIDE)),
-                    tile_rows: tile_rows(&rows, page_row),
-                    rows_of_tiles: tile_rows(&(0..frame.blocks.rows), page_row).end.max(1),
-                    outline: Marks::new(),
-                };
+                let mut page = Page::new(frame, [page_column, page_row]);
                 let number = page_row * lists.layout.columns + page_column;
                 let window = WindowLists::new(lists, number, runs)?;
                 for (_, list) in window.as_slice() {
@@ -179,35 +169,87 @@ fn page_range(low: f64, high: f64, count: u32, unbounded: bool) -> Range<u32> {
     page(low).clamp(0.0, last) as u32..page(high).clamp(0.0, last) as u32 + 1
 }
 
-/// The rows of tiles of the page in row `page_row` of pages that the rows `rows` of blocks meet.
-fn tile_rows(rows: &Range<u32>, page_row: u32) -> Range<u16> {
-    let first = page_row * PAGE_BLOCKS;
+/// The tiles of page number `page` in its row or column of pages that `blocks` meet.
+fn tiles_of_page(blocks: &Range<u32>, page: u32) -> Range<u16> {
+    let first = page * PAGE_BLOCKS;
     let tiles = TILE_SIDE / BLOCK_SIDE;
-    let place = |row: u32| row.saturating_sub(first).min(PAGE_BLOCKS);
-    (place(rows.start) / tiles) as u16..place(rows.end).div_ceil(tiles) as u16
+    let place = |block: u32| block.saturating_sub(first).min(PAGE_BLOCKS);
+    (place(blocks.start) / tiles) as u16..place(blocks.end).div_ceil(tiles) as u16
 }
 
-/// A page of the map under the part of a footprint in one tile.
+/// A page of the map under the part of a footprint in one tile: how each of its blocks lies to the footprint.
 struct Page<'a> {
     frame: &'a Frame<'a>,
-    /// Its first texel.
+    /// Its first block.
     corner: [u32; 2],
-    blocks: SquareProbe,
-    tiles: SquareProbe,
     /// The rows of tiles that may hold weight.
     tile_rows: Range<u16>,
     /// All of the page's rows of tiles.
     rows_of_tiles: u16,
-    /// Blocks on the outline that hold a wanted key.
-    outline: Marks,
+    /// The blocks that lie inside, a word for each tile: a block's name is 64 times its tile's number and its bit.
+    inside: [u64; PAGE_WORDS],
+    /// The blocks that cross the outline.
+    crossing: [u64; PAGE_WORDS],
+    /// Those of them that hold a wanted key.
+    wanted: [u64; PAGE_WORDS],
 }
 
-impl Page<'_> {
+/// Tiles of a page.
+const PAGE_WORDS: usize = 1 << 10;
+const _: () = assert!(block_name(PAGE_BLOCKS - 1, PAGE_BLOCKS - 1) as usize == PAGE_WORDS * 64 - 1);
+
+impl<'a> Page<'a> {
+    /// Each block is tested once, and each tile that lies inside or outside at once, whatever the number of lists they are
+    /// in.
+    #[inline(always)]
+    fn new(frame: &'a Frame<'a>, [page_column, page_row]: [u32; 2]) -> Self {
+        let bounds = frame.block_bounds();
+        let tile_columns = tiles_of_page(&bounds[0], page_column);
+        let mut page = Self {
+            frame,
+            corner: [page_column * PAGE_BLOCKS, page_row * PAGE_BLOCKS],
+            tile_rows: tiles_of_page(&bounds[1], page_row),
+            rows_of_tiles: tiles_of_page(&(0..frame.blocks.rows), page_row).end.max(1),
+            inside: [0; PAGE_WORDS],
+            crossing: [0; PAGE_WORDS],
+            wanted: [0; PAGE_WORDS],
+        };
+        let tiles = frame.squares(f64::from(TILE_SIDE));
+        let side = TILE_SIDE / BLOCK_SIDE;
+        for row in page.tile_rows.clone() {
+            for column in tile_columns.clone() {
+                let first = [
+                    page.corner[0] + u32::from(column) * side,
+                    page.corner[1] + u32::from(row) * side,
+                ];
+                let (mut inside, mut crossing) = (0, 0);
+                let tile = tiles.relation(
+                    (first[0] * BLOCK_SIDE) as f32,
+                    (first[1] * BLOCK_SIDE) as f32,
+                );
+                if tile.crossing | frame.unbounded {
+                    for (line, row) in (0..side).zip(first[1]..) {
+                        let [more_inside, more_crossing] = frame.eight_blocks(first[0], row);
+                        inside |= u64::from(more_inside) << (8 * line);
+                        crossing |= u64::from(more_crossing) << (8 * line);
+                    }
+                } else if tile.inside {
+                    inside = u64::MAX;
+                }
+                let tile = usize::from(row * PAGE_TILES + column);
+                if let (Some(slot), Some(other)) =
+                    (page.inside.get_mut(tile), page.crossing.get_mut(tile))
+                {
+                    (*slot, *other) = (inside, crossing);
+                }
+            }
+        }
+        page
+    }
+
     #[inline(always)]
     fn add_list(&mut self, sums: &mut Sums, place: u32, list: &BlockList<'_>) {
-        let inside = if self.frame.unbounded {
-            self.unbounded_blocks(list)
-        } else if list.tiles.is_empty() {
+        let inside = if list.tiles.is_empty() {
             self.blocks(
                 list,
                 self.rows_of(list.blocks, |name| name.get() / BLOCK_TEXELS as u16),
@@ -262,128 +304,90 @@ impl Page<'_> {
     fn tiles(&mut self, list: &BlockList<'_>) -> u64 {
         let range = self.rows_of(list.tiles, |tile| tile.tile.get());
         let records = list.tiles.get(range.clone()).unwrap_or_default();
-        let mut inside = 0;
+        let mut texels = 0;
+        let mut waiting = [0; TOGETHER];
         for (chunk, first) in records.chunks(TOGETHER).zip(range.step_by(TOGETHER)) {
-            let mut crossing = [false; TOGETHER];
-            let mut any = false;
-            for (record, crossing) in chunk.iter().zip(&mut crossing) {
-                let tile = record.tile.get();
-                let relation = self.tiles.relation(
-                    (u32::from(tile % PAGE_TILES) * TILE_SIDE + self.corner[0]) as f32,
-                    (u32::from(tile / PAGE_TILES) * TILE_SIDE + self.corner[1]) as f32,
-                );
-                inside += if relation.inside {
-                    u64::from(record.texels.get())
-                } else {
-                    0
+            let mut count = 0;
+            for (record, number) in chunk.iter().zip(first..) {
+                let tile = usize::from(record.tile.get());
+                let (Some(&inside), Some(&crossing)) =
+                    (self.inside.get(tile), self.crossing.get(tile))
+                else {
+                    continue;
                 };
-                *crossing = relation.crossing;
-                any |= relation.crossing;
+                let is_whole = inside == u64::MAX;
+                texels += u64::from(record.texels.get()) * u64::from(is_whole);
+                if let Some(slot) = waiting.get_mut(count) {
+                    *slot = number;
+                    count += usize::from((inside | crossing != 0) & !is_whole);
+                }
             }
-            if any {
-                // Each tile's blocks are in cache lines of their own: asks for all of them first.
-                for (number, crossing) in (first..).zip(crossing) {
-                    if crossing {
-                        let start = list.tile(number).start;
-                        fetch(list.blocks, start);
-                        fetch(list.counts, start);
-                    }
-                }
-                for (number, crossing) in (first..).zip(crossing) {
-                    if crossing {
-                        inside += self.blocks(list, list.tile(number));
-                    }
-                }
+            // Each tile's blocks are in cache lines of their own: asks for all of them first.
+            let waiting = waiting.get(..count).unwrap_or_default();
+            for &number in waiting {
+                let start = list.tile(number).start;
+                fetch(list.blocks, start);
+                fetch(list.counts, start);
+            }
+            for &number in waiting {
+                texels += self.blocks_of_tile(list, number);
             }
         }
-        inside
+        texels
+    }
+
+    /// The texels of those blocks of tile record number `number` of `list` that lie inside; marks those that cross the
+    /// outline.
+    #[inline(always)]
+    fn blocks_of_tile(&mut self, list: &BlockList<'_>, number: usize) -> u64 {
+        let range = list.tile(number);
+        let (Some(names), Some(counts)) = (list.blocks.get(range.clone()), list.counts.get(range))
+        else {
+            return 0;
+        };
+        let tile = list
+            .tiles
+            .get(number)
+            .map_or(0, |record| usize::from(record.tile.get()));
+        let (Some(&inside), Some(&crossing), Some(wanted)) = (
+            self.inside.get(tile),
+            self.crossing.get(tile),
+            self.wanted.get_mut(tile),
+        ) else {
+            return 0;
+        };
+        let mut texels = 0;
+        let mut present = 0;
+        for (name, &count) in names.iter().zip(counts) {
+            let block = name.get() % BLOCK_TEXELS as u16;
+            texels += u32::from(count) * (inside >> block & 1) as u32;
+            present |= 1 << block;
+        }
+        *wanted |= present & crossing;
+        u64::from(texels)
     }
 
     /// The texels of those blocks in `range` of `list` that lie inside; marks those that cross the outline.
     #[inline(always)]
     fn blocks(&mut self, list: &BlockList<'_>, range: Range<usize>) -> u64 {
-        let mut inside = 0;
-        let mut at = range.start;
-        while at < range.end {
-            let wanted = (range.end - at).min(TOGETHER);
-            let (Some(names), Some(counts)) = (list.blocks.get(at..), list.counts.get(at..)) else {
-                break;
-            };
-            // What follows within the list may be read along, it is not counted.
-            inside += u64::from(match (names.first_chunk(), counts.first_chunk()) {
-                (Some(names), Some(counts)) => self.few_blocks(names, counts, wanted),
-                _ => {
-                    let mut last_names = [U16::ZERO; TOGETHER];
-                    let mut last_counts = [0; TOGETHER];
-                    for (slot, name) in last_names.iter_mut().zip(names) {
-                        *slot = *name;
-                    }
-                    for (slot, count) in last_counts.iter_mut().zip(counts) {
-                        *slot = *count;
-                    }
-                    self.few_blocks(&last_names, &last_counts, wanted)
-                }
-            });
-            at += TOGETHER;
-        }
-        inside
-    }
-
-    /// [`blocks`](Self::blocks) for the first `wanted` of a few.
-    #[inline(always)]
-    fn few_blocks(
-        &mut self,
-        names: &[U16; TOGETHER],
-        counts: &[u8; TOGETHER],
-        wanted: usize,
-    ) -> u32 {
-        let mut inside = 0;
-        let mut crossing = [false; TOGETHER];
-        let mut any = false;
-        let corner = self.corner.map(|corner| corner as f32);
-        for (place, ((name, &count), crossing)) in
-            (0_u8..).zip(names.iter().zip(counts).zip(&mut crossing))
-        {
-            let (column, row) = block_place(name.get());
-            let relation = self.blocks.relation(
-                (column * BLOCK_SIDE) as f32 + corner[0],
-                (row * BLOCK_SIDE) as f32 + corner[1],
-            );
-            let is_wanted = place < wanted as u8;
-            inside += if relation.inside & is_wanted {
-                u32::from(count)
-            } else {
-                0
-            };
-            *crossing = relation.crossing & is_wanted;
-            any |= *crossing;
-        }
-        if any {
-            for (name, crossing) in names.iter().zip(crossing) {
-                if crossing {
-                    self.outline.add(name.get());
+        let (Some(names), Some(counts)) = (list.blocks.get(range.clone()), list.counts.get(range))
+        else {
+            return 0;
+        };
+        let mut texels = 0;
+        for (name, &count) in names.iter().zip(counts) {
+            let (tile, block) = (usize::from(name.get() >> 6), name.get() & 63);
+            if let (Some(inside), Some(crossing)) = (self.inside.get(tile), self.crossing.get(tile))
+            {
+                texels += u64::from(count) * (inside >> block & 1);
+                if crossing >> block & 1 != 0
+                    && let Some(wanted) = self.wanted.get_mut(tile)
+                {
+                    *wanted |= 1 << block;
                 }
             }
         }
-        inside
-    }
-
-    /// As [`blocks`](Self::blocks), for a frame whose border has no end.
-    fn unbounded_blocks(&mut self, list: &BlockList<'_>) -> u64 {
-        let mut inside = 0;
-        for (name, &count) in list.blocks.iter().zip(list.counts) {
-            let (column, row) = block_place(name.get());
-            let relation = self.frame.block(
-                column + self.corner[0] / BLOCK_SIDE,
-                row + self.corner[1] / BLOCK_SIDE,
-            );
-            if relation.inside {
-                inside += u64::from(count);
-            } else if relation.crossing {
-                self.outline.add(name.get());
-            }
-        }
-        inside
+        texels
     }
 
     /// Adds the texels of the marked blocks.
@@ -404,16 +408,13 @@ impl Page<'_> {
     ) -> Result<(), QueryError> {
         let layout = self.frame.tables.bin_map.layout;
         let mut space = [K::default(); BLOCK_TEXELS];
-        let mut marked = self.outline.iter(self.tile_rows.clone());
+        let mut marked = self.wanted();
         loop {
             let mut waiting = [(0, 0); FETCHED];
             let mut count = 0;
             for (slot, name) in waiting.iter_mut().zip(&mut marked) {
                 let (column, row) = block_place(name);
-                *slot = (
-                    column + self.corner[0] / BLOCK_SIDE,
-                    row + self.corner[1] / BLOCK_SIDE,
-                );
+                *slot = (column + self.corner[0], row + self.corner[1]);
                 count += 1;
             }
             let waiting = waiting.get(..count).unwrap_or_default();
@@ -436,32 +437,13 @@ impl Page<'_> {
             }
         }
     }
-}
 
-/// A set of blocks of a page.
-struct Marks([u64; MARK_WORDS]);
-
-/// One word a tile: a block's name over 64 is its tile's number.
-const MARK_WORDS: usize = 1 << 10;
-const _: () = assert!(block_name(PAGE_BLOCKS - 1, PAGE_BLOCKS - 1) as usize == MARK_WORDS * 64 - 1);
-
-impl Marks {
-    const fn new() -> Self {
-        Self([0; MARK_WORDS])
-    }
-
-    #[inline]
-    fn add(&mut self, name: u16) {
-        if let Some(word) = self.0.get_mut(usize::from(name >> 6)) {
-            *word |= 1 << (name & 63);
-        }
-    }
-
-    /// The marked blocks in `rows` of tiles, in rising order.
-    fn iter(&self, rows: Range<u16>) -> impl Iterator<Item = u16> {
-        let first = rows.start * PAGE_TILES;
-        let words = usize::from(first)..usize::from(rows.end * PAGE_TILES);
-        let words = self.0.get(words).unwrap_or_default();
+    /// The wanted blocks, in rising order of their names.
+    #[inline(always)]
+    fn wanted(&self) -> impl Iterator<Item = u16> {
+        let first = self.tile_rows.start * PAGE_TILES;
+        let words = usize::from(first)..usize::from(self.tile_rows.end * PAGE_TILES);
+        let words = self.wanted.get(words).unwrap_or_default();
         words.iter().zip(first..).flat_map(|(&word, tile)| {
             let mut left = word;
             core::iter::from_fn(move || {

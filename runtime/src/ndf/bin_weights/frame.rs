@@ -64,6 +64,15 @@ impl<'a> Frame<'a> {
         )
     }
 
+    /// The columns and the rows of blocks that the footprint's bounding box meets.
+    pub fn block_bounds(&self) -> [Range<u32>; 2] {
+        let TexelBox { low, high } = self.footprint.bounds();
+        [
+            self.within(low[0], high[0], self.blocks.columns),
+            self.within(low[1], high[1], self.blocks.rows),
+        ]
+    }
+
     /// The rows of blocks that may hold weight.
     pub fn block_rows(&self) -> Range<u32> {
         let bounds = self.footprint.bounds();
@@ -124,6 +133,25 @@ impl<'a> Frame<'a> {
         } else {
             self.block_probe.relation(x as f32, y as f32)
         }
+    }
+
+    /// How the eight blocks of a row from block (`column`, `row`) on lie to the footprint: a bit each for those inside and
+    /// those crossing, the first lowest.
+    #[inline(always)]
+    pub fn eight_blocks(&self, column: u32, row: u32) -> [u8; 2] {
+        if self.unbounded {
+            let mut bits = [0; 2];
+            for number in 0..8 {
+                let relation = self.block(column + number, row);
+                let [inside, crossing] = &mut bits;
+                *inside |= u8::from(relation.inside) << number;
+                *crossing |= u8::from(relation.crossing) << number;
+            }
+            return bits;
+        }
+        let (x, y) = (column * BLOCK_SIDE, row * BLOCK_SIDE);
+        self.block_probe
+            .row_of_eight(x as f32, y as f32, BLOCK_SIDE as f32)
     }
 
     /// Whether block (`column`, `row`) lies on the map with all its texels.
