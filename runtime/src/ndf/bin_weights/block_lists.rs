@@ -16,8 +16,9 @@ use glintbake_format::view::{BlockList, BlockLists, KeyLayout, Keys};
 
 /// Tiles of a list that are looked at together.
 const TOGETHER: usize = 32;
-/// Lists longer than this are first cut down to the rows of tiles that the footprint meets.
-const SEARCHED: usize = 32;
+/// Up to this length a list is cut down to some rows of tiles by counting, which vector instructions do, and beyond it by
+/// searching.
+const COUNTED: usize = 256;
 /// Blocks on the outline that are fetched at once.
 const FETCHED: usize = 16;
 /// Blocks in a row of a page.
@@ -286,11 +287,16 @@ impl<'a> Page<'a> {
     /// The part of `records`, in rising order of their tiles, in the rows of tiles that may hold weight.
     #[inline(always)]
     fn rows_of<T>(&self, records: &[T], tile: impl Fn(&T) -> u16) -> Range<usize> {
-        if records.len() <= SEARCHED {
-            return 0..records.len();
-        }
-        let before = |record: &T, row: u16| tile(record) / PAGE_TILES < row;
         let Range { start, end } = self.tile_rows;
+        let before = |record: &T, row: u16| tile(record) < row * PAGE_TILES;
+        if records.len() <= COUNTED {
+            let (mut first, mut last) = (0, 0);
+            for record in records {
+                first += u16::from(before(record, start));
+                last += u16::from(before(record, end));
+            }
+            return usize::from(first)..usize::from(last);
+        }
         let first = search(records, self.guess(records.len(), start), |record| {
             before(record, start)
         });

@@ -10,6 +10,8 @@ use glintbake_format::model::{BLOCK_SIDE, BLOCK_TEXELS, BlockLayout, Wrap};
 use glintbake_format::view::BinTables;
 
 const SIDE: f64 = BLOCK_SIDE as f64;
+/// The area in texels of a small footprint.
+const SMALL: f64 = 256.0;
 /// Texels in a row of a block.
 const LINE: usize = BLOCK_SIDE as usize;
 
@@ -24,6 +26,9 @@ pub(super) struct Frame<'a> {
     texel_probe: SquareProbe,
     /// The rows of texels that may hold weight, unless the frame is unbounded.
     rows: Range<u32>,
+    /// Whether so few texels lie inside that they are better added one by one than counted in tables, which must be
+    /// summed up in the end.
+    is_small: bool,
     /// Whether the footprint reaches beyond the border of a clamped map, whose border texels then have no end.
     pub unbounded: bool,
 }
@@ -50,6 +55,7 @@ impl<'a> Frame<'a> {
                 libm::floor(bounds.low[1] - 0.5) as u32
                     ..(libm::floor(bounds.high[1] + 0.5) as u32).saturating_add(1)
             },
+            is_small: footprint.area() < SMALL,
             unbounded: shape.wrap == Wrap::Clamp && !shape.holds(footprint),
         }
     }
@@ -227,7 +233,15 @@ impl<'a> Frame<'a> {
                 any_crossing |= *crossing != ELSEWHERE;
             }
             if any_inside {
-                sums.count(&places);
+                if self.is_small {
+                    for place in places {
+                        if place != ELSEWHERE {
+                            sums.add_inside(u32::from(place), 1);
+                        }
+                    }
+                } else {
+                    sums.count(&places);
+                }
             }
             if any_crossing {
                 for (&place, column) in crossing.iter().zip(left..) {

@@ -61,7 +61,8 @@ pub(crate) fn bin_weights(
     let Some(runs) = KeyRuns::new(window, grid, &tables.index) else {
         return Ok(());
     };
-    let sums = find_sums(tables, footprint, &runs, how)?;
+    let mut sums = Sums::new();
+    find_sums(&mut sums, tables, footprint, &runs, how)?;
     let weights = sums.weights(footprint);
     for (start, count, place) in runs.iter() {
         let weights = weights.iter().skip(place as usize).take(count as usize);
@@ -78,25 +79,24 @@ pub(crate) fn bin_weights(
     Ok(())
 }
 
-/// What is found of the keys of `runs` under `footprint`.
+/// Adds what is found of the keys of `runs` under `footprint`.
 fn find_sums(
+    sums: &mut Sums,
     tables: &BinTables<'_>,
     footprint: &Parallelogram,
     runs: &KeyRuns,
     how: How,
-) -> Result<Sums, QueryError> {
+) -> Result<(), QueryError> {
     let by_lists = match how.lookup {
         Lookup::Auto => cost::lists_are_cheaper(tables, footprint, runs)?,
         Lookup::Scan => false,
         Lookup::Lists => true,
     };
-    let mut sums = Sums::new();
     if by_lists {
-        look_up(&mut sums, tables, footprint, runs, how.instructions)?;
+        look_up(sums, tables, footprint, runs, how.instructions)
     } else {
-        scan_tiles(&mut sums, tables, footprint, runs, how.instructions)?;
+        scan_tiles(sums, tables, footprint, runs, how.instructions)
     }
-    Ok(sums)
 }
 
 fn scan_tiles(

@@ -80,13 +80,13 @@ impl Sums {
     }
 
     /// The weights by place, given `footprint`.
-    pub fn weights(mut self, footprint: &Parallelogram) -> [f64; WINDOW * WINDOW] {
+    pub fn weights(&mut self, footprint: &Parallelogram) -> [f64; WINDOW * WINDOW] {
         if self.counted > 0 {
             self.pour();
         }
         let mut weights = [0.0; WINDOW * WINDOW];
-        let found = self.inside.into_iter().zip(self.parts);
-        for (weight, (inside, parts)) in weights.iter_mut().zip(found) {
+        let found = self.inside.iter().zip(&self.parts);
+        for (weight, (&inside, &parts)) in weights.iter_mut().zip(found) {
             *weight = parts as f64 / UNITS;
             // The weight of a whole texel is infinite where there can be none.
             if inside > 0 {
