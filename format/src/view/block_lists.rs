@@ -27,7 +27,7 @@ pub struct BlockLists<'a> {
 }
 
 /// The blocks of a page that hold one key.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct BlockList<'a> {
     /// Names of the blocks, rising.
     pub blocks: &'a [U16],
@@ -100,6 +100,7 @@ impl<'a> BlockLists<'a> {
     }
 
     /// The key of list number `list`, which is the `place`-th of its page.
+    #[inline]
     pub fn key(&self, list: u32, place: u32) -> u32 {
         self.keys
             .and_then(|keys| keys.get(list as usize))
@@ -108,6 +109,7 @@ impl<'a> BlockLists<'a> {
 
     /// The lists among `lists`, one page's, of the keys `keys`. O(1) if each page has a list for every key, else a
     /// binary search.
+    #[inline]
     pub fn lists_of_keys(&self, lists: Range<u32>, keys: Range<u32>) -> Range<u32> {
         let Some(stored) = self.keys else {
             let place = |key: u32| lists.start.saturating_add(key).min(lists.end);
@@ -193,6 +195,13 @@ impl<'a> BlockLists<'a> {
 }
 
 impl BlockList<'_> {
+    /// The list of no blocks.
+    pub const EMPTY: Self = Self {
+        blocks: &[],
+        counts: &[],
+        tiles: &[],
+    };
+
     /// The places of the blocks that lie in the tile of record number `number`; empty or beyond the list if the record
     /// lies.
     #[inline]

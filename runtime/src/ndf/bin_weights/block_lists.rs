@@ -50,9 +50,21 @@ impl Work for Traversal<'_> {
         let page_columns = page_range(low[0], high[0], lists.layout.columns, unbounded);
         for page_row in page_range(low[1], high[1], lists.layout.rows, unbounded) {
             for page_column in page_columns.clone() {
-                let mut page = Page::new(frame, [page_column, page_row]);
+                // Written out here: whatever returned so large a value would copy it.
+                let bounds = frame.block_bounds();
+                let mut page = Page {
+                    frame,
+                    corner: [page_column * PAGE_BLOCKS, page_row * PAGE_BLOCKS],
+                    tile_rows: tiles_of_page(&bounds[1], page_row),
+                    rows_of_tiles: tiles_of_page(&(0..frame.blocks.rows), page_row).end.max(1),
+                    inside: [0; PAGE_WORDS],
+                    crossing: [0; PAGE_WORDS],
+                    wanted: [0; PAGE_WORDS],
+                };
+                page.test_blocks(tiles_of_page(&bounds[0], page_column));
                 let number = page_row * lists.layout.columns + page_column;
-                let window = WindowLists::new(lists, number, runs)?;
+                let mut window = WindowLists::NONE;
+                window.find(lists, number, runs)?;
                 for (_, list) in window.as_slice() {
                     page.fetch(list);
                 }
@@ -74,7 +86,9 @@ pub(super) fn count_map(
     times: u64,
 ) -> Result<(), QueryError> {
     for page in 0..lists.layout.count() {
-        for (place, list) in WindowLists::new(lists, page, runs)?.as_slice() {
+        let mut window = WindowLists::NONE;
+        window.find(lists, page, runs)?;
+        for (place, list) in window.as_slice() {
             let texels: u64 = if list.tiles.is_empty() {
                 list.counts.iter().map(|&count| u64::from(count)).sum()
             } else {
@@ -96,8 +110,19 @@ struct WindowLists<'w> {
 }
 
 impl<'w> WindowLists<'w> {
+    const NONE: Self = Self {
+        lists: [(0, BlockList::EMPTY); WINDOW * WINDOW],
+        count: 0,
+    };
+
+    /// Adds the lists of `runs` in page number `page`.
     #[inline(always)]
-    fn new(lists: &BlockLists<'w>, page: u32, runs: &KeyRuns) -> Result<Self, QueryError> {
+    fn find(
+        &mut self,
+        lists: &BlockLists<'w>,
+        page: u32,
+        runs: &KeyRuns,
+    ) -> Result<(), QueryError> {
         let of_page = lists.lists(page)?;
         let mut numbers = [const { 0..0 }; RUNS];
         for ((start, count, _), numbers) in runs.iter().zip(&mut numbers) {
@@ -107,21 +132,17 @@ impl<'w> WindowLists<'w> {
                 fetch(lists.starts(), numbers.end as usize);
             }
         }
-        let mut found = Self {
-            lists: [(0, BlockList::default()); WINDOW * WINDOW],
-            count: 0,
-        };
         for ((start, count, first_place), numbers) in runs.iter().zip(numbers) {
             for number in numbers {
                 let list = lists.list(number)?;
                 let key = lists.key(number, number - of_page.start);
-                if let Some(slot) = found.lists.get_mut(found.count) {
+                if let Some(slot) = self.lists.get_mut(self.count) {
                     *slot = (first_place + key.saturating_sub(start).min(count - 1), list);
-                    found.count += usize::from(!list.blocks.is_empty());
+                    self.count += usize::from(!list.blocks.is_empty());
                 }
             }
         }
-        Ok(found)
+        Ok(())
     }
 
     fn as_slice(&self) -> &[(u32, BlockList<'w>)] {
@@ -199,29 +220,19 @@ struct Page<'a> {
 const PAGE_WORDS: usize = 1 << 10;
 const _: () = assert!(block_name(PAGE_BLOCKS - 1, PAGE_BLOCKS - 1) as usize == PAGE_WORDS * 64 - 1);
 
-impl<'a> Page<'a> {
-    /// Each block is tested once, and each tile that lies inside or outside at once, whatever the number of lists they are
-    /// in.
+impl Page<'_> {
+    /// Tests the blocks of the columns `tile_columns` of tiles: each block once, and each tile that lies inside or outside
+    /// at once, whatever the number of lists they are in.
     #[inline(always)]
-    fn new(frame: &'a Frame<'a>, [page_column, page_row]: [u32; 2]) -> Self {
-        let bounds = frame.block_bounds();
-        let tile_columns = tiles_of_page(&bounds[0], page_column);
-        let mut page = Self {
-            frame,
-            corner: [page_column * PAGE_BLOCKS, page_row * PAGE_BLOCKS],
-            tile_rows: tiles_of_page(&bounds[1], page_row),
-            rows_of_tiles: tiles_of_page(&(0..frame.blocks.rows), page_row).end.max(1),
-            inside: [0; PAGE_WORDS],
-            crossing: [0; PAGE_WORDS],
-            wanted: [0; PAGE_WORDS],
-        };
+    fn test_blocks(&mut self, tile_columns: Range<u16>) {
+        let frame = self.frame;
         let tiles = frame.squares(f64::from(TILE_SIDE));
         let side = TILE_SIDE / BLOCK_SIDE;
-        for row in page.tile_rows.clone() {
+        for row in self.tile_rows.clone() {
             for column in tile_columns.clone() {
                 let first = [
-                    page.corner[0] + u32::from(column) * side,
-                    page.corner[1] + u32::from(row) * side,
+                    self.corner[0] + u32::from(column) * side,
+                    self.corner[1] + u32::from(row) * side,
                 ];
                 let (mut inside, mut crossing) = (0, 0);
                 let tile = tiles.relation(
@@ -239,13 +250,12 @@ impl<'a> Page<'a> {
                 }
                 let tile = usize::from(row * PAGE_TILES + column);
                 if let (Some(slot), Some(other)) =
-                    (page.inside.get_mut(tile), page.crossing.get_mut(tile))
+                    (self.inside.get_mut(tile), self.crossing.get_mut(tile))
                 {
                     (*slot, *other) = (inside, crossing);
                 }
             }
         }
-        page
     }
 
     #[inline(always)]
