@@ -83,13 +83,13 @@ faults! {
     ForestUnused = 3008, "an unused forest slot is not zero";
     /// A key beyond the map in a blocked bin map is not zero.
     KeyUnused = 3009, "a key of the bin map that lies beyond the map is not zero";
-    /// Starts of block lists fall or leave their sections, or a page's lists do.
-    ListOrder = 3010, "starts of block lists fall, or do not run from zero to the sections' ends";
+    /// Starts of block lists fall, leave gaps or leave their sections, or a page's lists do.
+    ListOrder = 3010, "starts of block lists fall, leave gaps, or do not run from zero to the sections' ends";
     /// Keys of block lists out of order or beyond the index.
     ListKey = 3011, "keys of block lists are not strictly rising keys of the index within their page";
     /// A block list is not in strict order of its blocks' names, or names one beyond the map.
     ListBlock = 3012, "the blocks of a block list are not strictly rising names of blocks of the map";
-    /// A count of a block list is not that of the bin map.
+    /// A count of a block list is zero, or not that of the bin map.
     ListCount = 3013, "a block list has another count of texels than the bin map";
     /// Texels that no block list counts.
     ListTotal = 3014, "the block lists do not count every texel of the map once";

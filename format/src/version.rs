@@ -8,8 +8,11 @@ pub const MAGIC: [u8; 12] = *b"\x89GLNTBAK\r\n\x1a\n";
 /// Raised when old readers would misread new packages; a reader refuses any other major version.
 pub const MAJOR: u16 = 1;
 
-/// Raised when something is added that old readers may skip.
-pub const MINOR: u16 = 0;
+/// Raised when kinds, methods or feature bits are added, which old readers skip or refuse but never misread. A reader
+/// accepts any minor version.
+///
+/// 1 added block lists, bin maps in blocks, and masking.
+pub const MINOR: u16 = 1;
 
 /// Every section starts at a multiple of this, so that it can be uploaded to a GPU as it is.
 ///

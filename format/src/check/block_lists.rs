@@ -46,6 +46,11 @@ pub(super) fn check(
             texels = texels.saturating_add(faults.check_list(lists, page, number, key, &list));
         }
     }
+    if next_list as usize != lists.list_count() {
+        return Err(Finding::new(Fault::ListOrder)
+            .within(tables.instance.section(PAGES))
+            .values(lists.list_count() as u64, u64::from(next_list)));
+    }
     let expected = u64::from(tables.instance.texel_count());
     if texels != expected {
         return Err(Finding::new(Fault::ListTotal)
@@ -55,14 +60,15 @@ pub(super) fn check(
     Ok(())
 }
 
-/// The last list ends with its sections.
+/// The first list begins at zero, and the last ends with its sections.
 fn check_ends(tables: &BinTables<'_>, lists: &BlockLists<'_>) -> Result<(), Finding> {
-    let (end, blocks, tiles) = lists.end();
     let finding = Finding::new(Fault::ListOrder).within(tables.instance.section(LISTS));
-    let end = end.ok_or(finding)?;
-    for (expected, got) in [(blocks, end.block.get()), (tiles, end.tile.get())] {
-        if expected as u64 != u64::from(got) {
-            return Err(finding.values(expected as u64, u64::from(got)));
+    for (start, blocks, tiles) in lists.ends() {
+        let start = start.ok_or(finding)?;
+        for (expected, got) in [(blocks, start.block.get()), (tiles, start.tile.get())] {
+            if expected as u64 != u64::from(got) {
+                return Err(finding.values(expected as u64, u64::from(got)));
+            }
         }
     }
     Ok(())
@@ -108,7 +114,7 @@ impl Faults<'_> {
                 self.report(Fault::ListBlock, LIST_BLOCKS, number);
             }
             least = order;
-            if u32::from(count) != self.count(column, row, key) {
+            if count == 0 || u32::from(count) != self.count(column, row, key) {
                 self.report(Fault::ListCount, LIST_COUNTS, number);
             }
             texels = texels.saturating_add(u64::from(count));

@@ -94,7 +94,10 @@ impl<'a> BlockLists<'a> {
         });
         range.ok_or(
             Finding::new(Fault::ListOrder)
-                .within(self.id)
+                .within(SectionId {
+                    kind: PAGES,
+                    ..self.id
+                })
                 .at(u64::from(page)),
         )
     }
@@ -184,13 +187,19 @@ impl<'a> BlockLists<'a> {
         )
     }
 
-    /// Where the last list ends: as many blocks and tiles as the sections hold, if all is well.
-    pub(crate) fn end(&self) -> (Option<ListStart>, usize, usize) {
-        (
-            self.starts.last().copied(),
-            self.blocks.len(),
-            self.tiles.len(),
-        )
+    /// Number of lists.
+    pub(crate) const fn list_count(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// Where the first list begins and the last one ends: at zero, and as many blocks and tiles as the sections hold, if
+    /// all is well.
+    pub(crate) fn ends(&self) -> [(Option<ListStart>, usize, usize); 2] {
+        let (first, last) = (self.starts.first(), self.starts.last());
+        [
+            (first.copied(), 0, 0),
+            (last.copied(), self.blocks.len(), self.tiles.len()),
+        ]
     }
 }
 
