@@ -3,6 +3,7 @@
 pub mod exercise;
 pub mod fixtures;
 pub mod lies;
+pub mod naive_lists;
 pub mod paper_forest;
 pub mod parallelogram;
 pub mod plain_scan;

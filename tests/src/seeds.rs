@@ -2,11 +2,14 @@
 
 use crate::fixtures::{package, sample_map};
 use crate::lies::{reseal, section_range};
+use crate::naive_lists;
 use glintbake_bake::MethodRecipe;
 use glintbake_bake::normals::NormalMap;
-use glintbake_format::Container;
 use glintbake_format::model::{Method, Wrap};
+use glintbake_format::records::InverseKind::{self, Forest, None as NoInverse, Tiles};
+use glintbake_format::{Container, SectionEntry};
 use glintbake_samples::Kind;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// A file of the corpus.
@@ -26,9 +29,9 @@ pub fn folder() -> PathBuf {
 /// What a seed's name begins with if the package is sound; the others are damaged.
 pub const SOUND: &str = "sound-";
 
-/// The most bytes of a seed: fuzzing is quick where inputs are small. Sections begin at multiples of 256, so a package
-/// of two instances with all there is cannot be much smaller.
-pub const MOST_BYTES: usize = 6144;
+/// The most bytes of a seed: fuzzing is quick where inputs are small. Sections begin at multiples of 256 and masking
+/// takes 4096 bytes, so a package with all there is cannot be much smaller; only one has masking.
+pub const MOST_BYTES: usize = 8192;
 
 /// All seeds, baked and then damaged: every method, kind of index, wrap and section there is.
 pub fn seeds() -> Vec<Seed> {
@@ -39,23 +42,33 @@ pub fn seeds() -> Vec<Seed> {
             bytes,
         })
         .collect();
-    seeds.extend(damaged(&all_sections()));
+    seeds.extend(damaged(&[all_of_a_forest(), all_of_tiles()]));
     seeds
 }
 
-fn flakes(map: &NormalMap, roughness: &[f64], leaf_size: u32, exact_normals: bool) -> Vec<u8> {
+fn flakes(
+    map: &NormalMap,
+    roughness: &[f64],
+    inverse: InverseKind,
+    leaf_size: u32,
+    exact_normals: bool,
+) -> Vec<u8> {
     let recipe = MethodRecipe {
+        inverse: Some(inverse),
         leaf_size,
         exact_normals,
+        masking: false,
         ..MethodRecipe::new(Method::FlakeBins, roughness)
     };
     package(map, recipe)
 }
 
-fn specular(map: &NormalMap, bins: u32) -> Vec<u8> {
+fn specular(map: &NormalMap, bins: u32, inverse: InverseKind) -> Vec<u8> {
     let recipe = MethodRecipe {
         bins: Some(bins),
+        inverse: Some(inverse),
         leaf_size: 2,
+        masking: false,
         ..MethodRecipe::new(Method::SpecularBins, &[])
     };
     package(map, recipe)
@@ -64,73 +77,102 @@ fn specular(map: &NormalMap, bins: u32) -> Vec<u8> {
 fn sound() -> Vec<(&'static str, Vec<u8>)> {
     let repeat = sample_map(Kind::Flakes, 9, 7, 5, Wrap::Repeat);
     let clamp = sample_map(Kind::Noise, 7, 8, 2, Wrap::Clamp);
+    let texel = sample_map(Kind::Flat, 1, 1, 0, Wrap::Clamp);
+    let row = sample_map(Kind::Waves, 53, 1, 3, Wrap::Repeat);
     vec![
-        ("dense-repeat", flakes(&repeat, &[0.9], 2, false)),
-        ("dense-clamp", flakes(&clamp, &[0.7], 2, false)),
-        ("sparse-repeat", flakes(&repeat, &[0.004], 32, false)),
-        ("sparse-clamp-exact", flakes(&clamp, &[0.002], 3, true)),
-        ("all-sections", all_sections()),
-        ("two-roughnesses", flakes(&repeat, &[0.9, 0.002], 32, true)),
-        ("specular-dense", specular(&repeat, 4)),
-        ("specular-sparse", specular(&clamp, 50)),
+        ("all-of-a-forest", all_of_a_forest()),
+        ("all-of-tiles", all_of_tiles()),
+        ("dense-repeat", flakes(&repeat, &[0.9], Forest, 2, false)),
+        ("dense-clamp", flakes(&clamp, &[0.7], Forest, 2, false)),
+        ("dense-tiles", flakes(&clamp, &[0.7], Tiles, 1, true)),
+        ("dense-none", flakes(&clamp, &[0.7], NoInverse, 1, false)),
         (
-            "one-texel",
-            flakes(
-                &sample_map(Kind::Flat, 1, 1, 0, Wrap::Clamp),
-                &[0.5],
-                1,
-                true,
-            ),
+            "sparse-repeat",
+            flakes(&repeat, &[0.004], Forest, 32, false),
+        ),
+        ("sparse-tiles", flakes(&repeat, &[0.004], Tiles, 1, false)),
+        ("sparse-none", flakes(&repeat, &[0.004], NoInverse, 1, true)),
+        (
+            "sparse-clamp-exact",
+            flakes(&clamp, &[0.002], Forest, 3, true),
         ),
         (
-            "one-row",
-            flakes(
-                &sample_map(Kind::Waves, 53, 1, 3, Wrap::Repeat),
-                &[0.8],
-                4,
-                false,
-            ),
+            "two-roughnesses",
+            flakes(&repeat, &[0.9, 0.002], Tiles, 1, true),
         ),
+        ("specular-dense", specular(&repeat, 4, Forest)),
+        ("specular-sparse", specular(&clamp, 50, Tiles)),
+        ("specular-none", specular(&clamp, 50, NoInverse)),
+        ("one-texel", flakes(&texel, &[0.5], Forest, 1, true)),
+        ("one-texel-tiles", flakes(&texel, &[0.5], Tiles, 1, false)),
+        ("one-row", flakes(&row, &[0.8], Forest, 4, false)),
+        ("one-row-tiles", flakes(&row, &[0.8], Tiles, 1, false)),
     ]
 }
 
-/// A package whose one instance has every kind of section: flakes share bins, so that there are few and long lists.
-fn all_sections() -> Vec<u8> {
+/// A package whose one instance has every kind of section that goes with a forest: flakes share bins, so that there are
+/// few and long lists.
+fn all_of_a_forest() -> Vec<u8> {
     let map = sample_map(Kind::Flakes, 9, 7, 5, Wrap::Repeat);
-    flakes(&map, &[0.004], 2, true)
+    let recipe = MethodRecipe {
+        inverse: Some(Forest),
+        leaf_size: 2,
+        exact_normals: true,
+        ..MethodRecipe::new(Method::FlakeBins, &[0.004])
+    };
+    package(&map, recipe)
 }
 
-/// `sound` cut, flipped, and with one resealed lie in each of its sections.
-fn damaged(sound: &[u8]) -> Vec<Seed> {
-    let mut flipped = sound.to_vec();
+/// A package whose one instance has every kind of section that goes with tiles, and blocks that reach beyond the map.
+fn all_of_tiles() -> Vec<u8> {
+    let map = sample_map(Kind::Flakes, 16, 13, 5, Wrap::Repeat);
+    naive_lists::package(&map, 0.004)
+}
+
+/// The first of `sound` cut and flipped, and each with one resealed lie in each section of a kind not yet lied in.
+fn damaged(sound: &[Vec<u8>]) -> Vec<Seed> {
+    let [first, ..] = sound else {
+        return Vec::new();
+    };
+    let mut flipped = first.clone();
     let last = flipped.len() - 1;
     flipped[last] ^= 1;
     let mut seeds = vec![
         Seed {
             name: "cut.glint".to_owned(),
-            bytes: sound[..sound.len() / 2].to_vec(),
+            bytes: first[..first.len() / 2].to_vec(),
         },
         Seed {
             name: "flipped-bit.glint".to_owned(),
             bytes: flipped,
         },
     ];
-    let container = Container::open(sound).expect("a fresh package opens");
-    for entry in container.entries() {
-        let range = section_range(sound, entry.kind, entry.instance.get());
-        let mut bytes = sound.to_vec();
-        // One element in the middle, or its last bytes if it is large.
-        let size = (entry.element_size.get() as usize).min(8);
-        let middle = range.start + range.len() / 2;
-        let end = middle.next_multiple_of(size).min(range.end);
-        bytes[end - size..end].fill(0xFF);
-        let resealed = reseal(&mut bytes);
-        assert!(resealed, "a sound package has room for its table");
-        let kind = entry.kind.to_string().to_lowercase();
-        seeds.push(Seed {
-            name: format!("lie-{kind}.glint"),
-            bytes,
-        });
+    let mut kinds = BTreeSet::new();
+    for sound in sound {
+        let container = Container::open(sound).expect("a fresh package opens");
+        for entry in container.entries() {
+            if kinds.insert(entry.kind) {
+                seeds.push(lie_in(sound, entry));
+            }
+        }
     }
     seeds
+}
+
+/// `sound` with a lie in the section of `entry`.
+fn lie_in(sound: &[u8], entry: &SectionEntry) -> Seed {
+    let range = section_range(sound, entry.kind, entry.instance.get());
+    let mut bytes = sound.to_vec();
+    // One element in the middle, or its last bytes if it is large.
+    let size = (entry.element_size.get() as usize).min(8);
+    let middle = (range.start + range.len() / 2).max(range.start + 1);
+    let end = (range.start + (middle - range.start).next_multiple_of(size)).min(range.end);
+    bytes[end - size..end].fill(0xFF);
+    let resealed = reseal(&mut bytes);
+    assert!(resealed, "a sound package has room for its table");
+    let kind = entry.kind.to_string().to_lowercase();
+    Seed {
+        name: format!("lie-{kind}.glint"),
+        bytes,
+    }
 }

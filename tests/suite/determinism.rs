@@ -3,6 +3,7 @@
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::{MethodRecipe, Recipe, bake};
 use glintbake_format::model::{Method, Wrap};
+use glintbake_format::records::InverseKind;
 use glintbake_runtime::Package;
 use glintbake_samples::Kind;
 use glintbake_tests::fixtures::sample_map;
@@ -56,7 +57,9 @@ fn the_recipe_hash_tells_recipes_apart() {
     };
     let base = recipe();
     let mut seen = vec![hash(&base)];
-    let changes: [fn(&mut Recipe); 8] = [
+    let changes: [fn(&mut Recipe); 10] = [
+        |recipe| recipe.methods[0].inverse = Some(InverseKind::Forest),
+        |recipe| recipe.methods[1].inverse = Some(InverseKind::None),
         |recipe| recipe.methods[0].roughness[0] = 0.003,
         |recipe| recipe.methods[0].leaf_size = 10,
         |recipe| recipe.methods[0].exact_normals = false,
@@ -78,10 +81,31 @@ fn the_recipe_hash_tells_recipes_apart() {
 
 #[test]
 fn baked_sections_match_their_snapshot() {
+    let with = |inverse: Option<InverseKind>| {
+        let mut recipe = recipe();
+        for method in &mut recipe.methods {
+            method.inverse = inverse;
+        }
+        sections(&recipe)
+    };
+    insta::assert_json_snapshot!("baked_sections", with(None));
+    insta::assert_json_snapshot!("baked_sections_of_forests", with(Some(InverseKind::Forest)));
+    let none = with(Some(InverseKind::None));
+    let of_maps = |line: &&String| !["LBLK", "LCNT", "LIST", "PAGE"].contains(&&line[..4]);
+    let expected: Vec<_> = with(None).iter().filter(of_maps).skip(1).cloned().collect();
+    assert_eq!(
+        none[1..],
+        expected,
+        "the same without lists, but for the instances"
+    );
+}
+
+/// Kind, instance, size and checksum of every section of a small map baked by `recipe`.
+fn sections(recipe: &Recipe) -> Vec<String> {
     let map = sample_map(Kind::Flakes, 96, 64, 7, Wrap::Repeat);
-    let bytes = bake(&map, &recipe(), None).expect("in range").to_bytes();
+    let bytes = bake(&map, recipe, None).expect("in range").to_bytes();
     let package = Package::open(&bytes).expect("fresh");
-    let sections: Vec<_> = package
+    package
         .container()
         .entries()
         .iter()
@@ -103,6 +127,5 @@ fn baked_sections_match_their_snapshot() {
                 entry.element_size.get(),
             )
         })
-        .collect();
-    insta::assert_json_snapshot!(sections);
+        .collect()
 }

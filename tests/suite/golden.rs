@@ -1,15 +1,19 @@
 //! Packages of every released format version open and answer forever.
 //!
-//! `golden/v1/noise-32.glint` was baked once by the first release; it is never baked again. It holds `flake-bins` at
-//! α = 0.9 (dense index) and 0.0005 (sparse index, exact normals), and `specular-bins` with 5 bins a side, of a
-//! 32 × 32 map of noise.
+//! They were baked once by the first release that wrote such packages, and are never baked again:
+//!
+//! - `golden/v1/noise-32.glint`, version 1.0: `flake-bins` at α = 0.9 (dense index) and 0.0005 (sparse index, exact
+//!   normals), and `specular-bins` with 5 bins a side, of a 32 × 32 map of noise; forests of positions.
+//! - `golden/v1/scratches-96.glint`, version 1.1: `flake-bins` at α = 0.9 of a 96 × 93 map of scratches; a bin map in
+//!   blocks, block lists with keys and tiles, masking.
 
 use glintbake_format::model::{Footprint, HalfVector, Method};
-use glintbake_format::records::IndexKind;
+use glintbake_format::records::{IndexKind, InverseKind};
 use glintbake_format::{Container, check};
 use glintbake_runtime::{Ndf, Package, Setting};
 
 const V1: &[u8] = include_bytes!("../golden/v1/noise-32.glint");
+const V1_1: &[u8] = include_bytes!("../golden/v1/scratches-96.glint");
 
 #[test]
 fn version_1_is_sound_and_says_what_it_is() {
@@ -32,7 +36,46 @@ fn version_1_is_sound_and_says_what_it_is() {
 
 #[test]
 fn version_1_answers_as_it_did() {
-    let package = Package::open(V1).unwrap();
+    insta::assert_json_snapshot!(answers(V1));
+}
+
+#[test]
+fn version_1_1_is_sound_and_says_what_it_is() {
+    let container = Container::open(V1_1).expect("a released version opens forever");
+    check::full(&container, &mut |finding| panic!("{finding}"));
+    let instance = container.instances().next().unwrap().unwrap();
+    assert_eq!(
+        (instance.method, instance.roughness, instance.inverse),
+        (Method::FlakeBins, Some(0.9), InverseKind::Tiles)
+    );
+    let kinds: Vec<_> = container
+        .entries()
+        .iter()
+        .map(|entry| entry.kind.to_string())
+        .collect();
+    assert_eq!(
+        kinds,
+        [
+            "INST", "META", "LBLK", "LCNT", "LIST", "LKEY", "LTIL", "MASK", "PAGE", "TMAP"
+        ]
+    );
+}
+
+#[test]
+fn version_1_1_answers_as_it_did() {
+    let mut answers = answers(V1_1);
+    let ndf = Package::open(V1_1).unwrap().ndf(1).unwrap();
+    for [s, t] in [[0.0, 0.0], [0.6, 0.3], [-0.99, 0.1]] {
+        let direction = HalfVector { s, t }.direction();
+        let g1 = ndf.masking().g1(direction);
+        answers.push(format!("masking {s} {t}: {g1:.8e}"));
+    }
+    insta::assert_json_snapshot!(answers);
+}
+
+/// Densities and samples of every instance and setting of the package `bytes`.
+fn answers(bytes: &[u8]) -> Vec<String> {
+    let package = Package::open(bytes).unwrap();
     let footprint = Footprint {
         centre: [0.4, 0.7],
         edge_1: [0.31, 0.05],
@@ -66,5 +109,5 @@ fn version_1_answers_as_it_did() {
             });
         }
     }
-    insta::assert_json_snapshot!(answers);
+    answers
 }

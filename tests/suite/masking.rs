@@ -279,8 +279,9 @@ fn with_masking(bytes: &[u8], values: &[u16]) -> Vec<u8> {
             1 => plan.add(id, section.to_vec()),
             2 => plan.add(id, elements::<2>(section)),
             4 => plan.add(id, elements::<4>(section)),
-            16 => plan.add(id, elements::<16>(section)),
-            _ => plan.add_critical(id, elements::<64>(section)),
+            8 => plan.add(id, elements::<8>(section)),
+            64 => plan.add_critical(id, elements::<64>(section)),
+            size => panic!("no section of this package has elements of {size} bytes"),
         }
     }
     plan.to_bytes()
@@ -302,7 +303,7 @@ fn damaged_tables_are_found_and_survived() {
         .iter()
         .map(|value| value.0.get())
         .collect();
-    assert_eq!(with_masking(&sound, &table), sound);
+    assert!(with_masking(&sound, &table) == sound);
     assert_eq!(faults(&sound), []);
 
     // A value that exceeds the one below it is named by its place.

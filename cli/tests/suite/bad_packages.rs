@@ -12,6 +12,7 @@ fn workshop() -> Workshop {
         "-o=map.glint",
         "--method=flake-bins,specular-bins",
         "--roughness=0.3",
+        "--index=forest",
         "--leaf-size=2",
         "--exact-normals",
     ]);

@@ -52,6 +52,7 @@ fn several_methods_take_the_options_that_are_theirs() {
         "--roughness=0.1",
         "--intrinsic-roughness=0.03",
         "--bins=31",
+        "--index=forest",
         "--leaf-size=7",
         "--exact-normals",
     ];
@@ -105,11 +106,12 @@ fn inspect_shows_header_instances_sections_and_where_the_map_came_from() {
     let said = workshop.succeeds(&["inspect", "map.glint"]);
     let input = format!("  input map.png, {} bytes", workshop.read("map.png").len());
     for text in [
-        "map.glint: glintbake package version 1.0, ",
+        "map.glint: glintbake package version 1.1, ",
         "  instance 1: flake-bins 96 x 40, roughness 0.2",
         "  instance 3: specular-bins 96 x 40",
         "  INST     all                3  ",
-        "  IBMP     2               3840  15.4 KB      4.000\n",
+        "  TMAP     2               3840  7680 B       2.000\n",
+        "  left out: LTIL of instance 1: no list is long and dense enough\n",
         input.as_str(),
         "  normals: mean (",
         "  MASK     1               2048  4096 B       1.067\n",
@@ -213,6 +215,7 @@ fn maps_of_one_texel_and_of_one_row_are_maps() {
             "--method=flake-bins,specular-bins",
             "--roughness=0.2",
             "--exact-normals",
+            "--index=forest",
             "--leaf-size=1",
         ]);
         workshop.succeeds(&["verify", "map.glint"]);

@@ -66,7 +66,10 @@ fn every_option_that_decides_a_byte_bakes_again() {
     for extra in [
         "--intrinsic-roughness=0.2",
         "--method=flake-bins,specular-bins",
-        "--leaf-size=8",
+        "--index=forest",
+        "--index=forest --leaf-size=8",
+        "--index=none",
+        "--no-masking",
         "--exact-normals",
         "--input=height",
         "--height-scale=2",
@@ -77,8 +80,9 @@ fn every_option_that_decides_a_byte_bakes_again() {
         "--wrap=clamp",
         "--repair",
     ] {
-        assert!(rebakes(&workshop, &[extra]), "{extra}");
-        assert!(!rebakes(&workshop, &[extra]), "{extra} a second time");
+        let options: Vec<_> = extra.split(' ').collect();
+        assert!(rebakes(&workshop, &options), "{extra}");
+        assert!(!rebakes(&workshop, &options), "{extra} a second time");
         assert!(rebakes(&workshop, &[]), "without {extra} again");
     }
 }

@@ -114,6 +114,7 @@ fn every_command_has_a_document_of_stable_keys() {
             "filter",
             "height",
             "index",
+            "inverse",
             "kernel",
             "keys",
             "layer",
