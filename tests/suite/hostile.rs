@@ -1,19 +1,37 @@
 //! Damaged and lying packages: a typed finding, never a panic, a hang or a wrong number that looks right.
 
 use glintbake_format::model::{Footprint, HalfVector, Neighbourhood, Wrap};
-use glintbake_format::records::{FOREST, INDEX, INSTANCES, INVERSE_BIN_MAP, MASKING};
+use glintbake_format::records::{
+    BLOCKED_BIN_MAP, FOREST, INDEX, INSTANCES, INVERSE_BIN_MAP, LIST_BLOCKS, LIST_COUNTS,
+    LIST_KEYS, LIST_TILES, LISTS, MASKING, PAGES,
+};
 use glintbake_format::{Container, ENTRY_LENGTH, Fault, FourCc, HEADER_LENGTH, check};
 use glintbake_runtime::{Ndf, Package, Setting};
 use glintbake_samples::Kind;
 use glintbake_tests::exercise::interrogate;
-use glintbake_tests::fixtures::{Stream, forest_package, sample_map, specular_package};
+use glintbake_tests::fixtures::{
+    Stream, flake_package, forest_package, sample_map, specular_package,
+};
 use glintbake_tests::lies::{reseal, section_range};
+use glintbake_tests::naive_lists;
 use proptest::prelude::*;
 
-/// A small package with every kind of section: dense and sparse index, forest, exact normals, masking.
+/// A small package with every kind of section of a forest: dense and sparse index, exact normals, masking.
 fn small_package() -> Vec<u8> {
     let map = sample_map(Kind::Flakes, 12, 10, 5, Wrap::Repeat);
     forest_package(&map, &[0.4, 0.002], 2)
+}
+
+/// A small package of block lists without keys and tiles, and with a bin map in blocks that reach beyond the map.
+fn small_tiles() -> Vec<u8> {
+    let map = sample_map(Kind::Flakes, 16, 13, 5, Wrap::Repeat);
+    flake_package(&map, &[0.4, 0.002])
+}
+
+/// A small package of block lists with keys and tiles.
+fn small_tiles_in_full() -> Vec<u8> {
+    let map = sample_map(Kind::Flakes, 16, 13, 5, Wrap::Repeat);
+    naive_lists::package(&map, 0.02)
 }
 
 fn finds_something(bytes: &[u8]) -> bool {
@@ -32,6 +50,9 @@ fn a_sound_package_has_no_findings() {
     let map = sample_map(Kind::Noise, 40, 33, 5, Wrap::Clamp);
     for bytes in [
         small_package(),
+        small_tiles(),
+        small_tiles_in_full(),
+        flake_package(&map, &[0.9, 0.01]),
         specular_package(&map, 40),
         forest_package(&map, &[0.01], 1),
         forest_package(&map, &[0.9], 1),
@@ -43,8 +64,13 @@ fn a_sound_package_has_no_findings() {
 
 #[test]
 fn every_flipped_bit_is_found() {
-    let sound = small_package();
-    let mut bytes = sound.clone();
+    for sound in [small_package(), small_tiles_in_full()] {
+        every_flipped_bit_of_is_found(&sound);
+    }
+}
+
+fn every_flipped_bit_of_is_found(sound: &[u8]) {
+    let mut bytes = sound.to_vec();
     for place in 0..bytes.len() {
         // One bit each, another one at every byte; all eight in the header and the table.
         let head = place < HEADER_LENGTH + 16 * ENTRY_LENGTH;
@@ -76,8 +102,7 @@ fn every_truncation_is_an_error_at_opening() {
 
 #[test]
 fn lies_in_the_data_are_found_by_structure_alone_and_survived_by_queries() {
-    let sound = small_package();
-    let cases: [(FourCc, u16, Vec<u8>, Fault); 8] = [
+    let cases: [Lie; 8] = [
         (FourCc(*b"BMAP"), 1, vec![0xFF; 2], Fault::KeyRange),
         (FourCc(*b"BMAP"), 1, vec![0x00; 4], Fault::PositionKey),
         (INDEX, 1, vec![0xFF; 4], Fault::IndexOrder),
@@ -87,9 +112,73 @@ fn lies_in_the_data_are_found_by_structure_alone_and_survived_by_queries() {
         (FOREST, 1, vec![0x00; 16], Fault::ForestBox),
         (MASKING, 1, vec![0xFF; 2], Fault::MaskingOrder),
     ];
-    for (kind, instance, lie, fault) in cases {
+    every_lie_is_found_and_survived(&small_package(), &cases);
+}
+
+#[test]
+fn lies_in_block_lists_are_found_by_structure_alone_and_survived_by_queries() {
+    let in_both: [Lie; 10] = [
+        (BLOCKED_BIN_MAP, 1, vec![0xFF; 2], Fault::KeyRange),
+        (BLOCKED_BIN_MAP, 1, vec![0x01, 0x00], Fault::KeyUnused),
+        (BLOCKED_BIN_MAP, 1, vec![0x00; 8], Fault::ListCount),
+        (PAGES, 1, vec![0xFF; 4], Fault::ListOrder),
+        (PAGES, 1, vec![0x00; 4], Fault::ListOrder),
+        (LISTS, 1, vec![0xFF; 4], Fault::ListOrder),
+        (LISTS, 1, vec![0x01, 0, 0, 0], Fault::ListOrder),
+        (LIST_BLOCKS, 1, vec![0xFF; 2], Fault::ListBlock),
+        (LIST_COUNTS, 1, vec![0xFF], Fault::ListCount),
+        (LIST_COUNTS, 1, vec![0x00], Fault::ListTotal),
+    ];
+    every_lie_is_found_and_survived(&small_tiles(), &in_both);
+    every_lie_is_found_and_survived(&small_tiles_in_full(), &in_both);
+    let in_full: [Lie; 6] = [
+        (LIST_KEYS, 1, vec![0xFF; 4], Fault::ListKey),
+        (LIST_KEYS, 1, vec![0x00; 4], Fault::ListKey),
+        (LIST_KEYS, 1, vec![0x00; 4], Fault::ListCount),
+        (LIST_TILES, 1, vec![0xFF; 2], Fault::ListTile),
+        (LIST_TILES, 1, vec![0x00; 6], Fault::ListTile),
+        (LIST_TILES, 1, vec![0x01, 0x10], Fault::ListTile),
+    ];
+    every_lie_is_found_and_survived(&small_tiles_in_full(), &in_full);
+}
+
+#[test]
+fn lists_of_no_page_and_blocks_of_no_list_are_found() {
+    // What the counts alone would not show: the texels still add up.
+    let sound = small_tiles_in_full();
+    let count = section_range(&sound, LIST_BLOCKS, 1).len() / 2;
+    let lists = section_range(&sound, LISTS, 1);
+    let pages = section_range(&sound, PAGES, 1);
+    for (kind, place, value) in [
+        (LISTS, lists.start, 1),
+        (LISTS, lists.start + 4, 1),
+        (LISTS, lists.end - 8, count as u32 - 1),
+        (LISTS, lists.end - 4, 0),
+        (PAGES, pages.start, 1),
+        (PAGES, pages.start + 4, 1),
+        (PAGES, pages.start + 4, lists.len() as u32 / 8 - 2),
+    ] {
         let mut bytes = sound.clone();
-        let range = section_range(&bytes, kind, instance);
+        bytes[place..place + 4].copy_from_slice(&value.to_le_bytes());
+        assert!(reseal(&mut bytes));
+        let mut found = false;
+        let container = Container::open(&bytes).unwrap();
+        check::structure(&container, &mut |finding| {
+            let section = finding.section.map(|id| id.kind);
+            found |= finding.fault == Fault::ListOrder && section == Some(kind);
+        });
+        assert!(found, "{kind} at {place}: {value}");
+        interrogate(&bytes);
+    }
+}
+
+/// Section, instance, what is written everywhere in it, and the fault at least one place must be found under.
+type Lie = (FourCc, u16, Vec<u8>, Fault);
+
+fn every_lie_is_found_and_survived(sound: &[u8], cases: &[Lie]) {
+    for (kind, instance, lie, fault) in cases {
+        let mut bytes = sound.to_vec();
+        let range = section_range(&bytes, *kind, *instance);
         // Lie about everything that can hold the lie, in turn: at least one place must be found under this fault.
         let mut found = false;
         for place in range.step_by(lie.len()) {
@@ -98,7 +187,7 @@ fn lies_in_the_data_are_found_by_structure_alone_and_survived_by_queries() {
             bytes[place..end].copy_from_slice(&lie[..end - place]);
             reseal(&mut bytes);
             if let Ok(container) = Container::open(&bytes) {
-                check::structure(&container, &mut |finding| found |= finding.fault == fault);
+                check::structure(&container, &mut |finding| found |= finding.fault == *fault);
             }
             interrogate(&bytes);
             bytes[place..end].copy_from_slice(&saved);
@@ -205,13 +294,14 @@ fn unknown_sections_are_skipped_unless_critical() {
 
 #[test]
 fn every_byte_of_a_small_package_may_lie_without_harm() {
-    let sound = small_package();
     let mut stream = Stream::new(1);
-    for place in HEADER_LENGTH..sound.len() {
-        let mut bytes = sound.clone();
-        bytes[place] = (stream.uniform() * 256.0) as u8;
-        reseal(&mut bytes);
-        interrogate(&bytes);
+    for sound in [small_package(), small_tiles_in_full()] {
+        for place in HEADER_LENGTH..sound.len() {
+            let mut bytes = sound.clone();
+            bytes[place] = (stream.uniform() * 256.0) as u8;
+            reseal(&mut bytes);
+            interrogate(&bytes);
+        }
     }
 }
 
@@ -225,9 +315,10 @@ proptest! {
 
     #[test]
     fn any_few_lies_are_survived(
-        lies in proptest::collection::vec((any::<proptest::sample::Index>(), any::<u8>()), 1..12)
+        lies in proptest::collection::vec((any::<proptest::sample::Index>(), any::<u8>()), 1..12),
+        tiles in any::<bool>(),
     ) {
-        let mut bytes = small_package();
+        let mut bytes = if tiles { small_tiles_in_full() } else { small_package() };
         let data = bytes.len() - HEADER_LENGTH;
         for (place, lie) in lies {
             bytes[HEADER_LENGTH + place.index(data)] = lie;
@@ -244,8 +335,9 @@ proptest! {
         s in -1.5..1.5,
         t in any::<f64>(),
         paper in any::<bool>(),
+        tiles in any::<bool>(),
     ) {
-        let bytes = small_package();
+        let bytes = if tiles { small_tiles() } else { small_package() };
         let package = Package::open(&bytes).unwrap();
         let footprint = Footprint { centre, edge_1, edge_2 };
         for instance in package.instances() {

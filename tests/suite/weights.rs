@@ -7,6 +7,7 @@ use glintbake_runtime::ndf::Lookup;
 use glintbake_runtime::{FlakeBins, Ndf, Package, SurfaceNdf};
 use glintbake_samples::Kind;
 use glintbake_tests::fixtures::{Stream, flake_package, forest_package, sample_map};
+use glintbake_tests::naive_lists;
 use glintbake_tests::tolerances::{WEIGHT, WEIGHT_ROUNDING, WEIGHT_SUM};
 use std::collections::BTreeMap;
 
@@ -313,5 +314,59 @@ fn weights_equal_the_oracles_where_texels_are_counted_by_the_hundred() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn weights_equal_the_oracles_across_the_borders_of_pages() {
+    // Three pages in a row, the last of four texels; and two pages, one above the other.
+    for (width, height, wrap) in [
+        (4100, 72, Wrap::Repeat),
+        (4100, 72, Wrap::Clamp),
+        (72, 2060, Wrap::Repeat),
+    ] {
+        let map = sample_map(Kind::Waves, width, height, 3, wrap);
+        let size = [f64::from(width), f64::from(height)];
+        let long = size[0].max(size[1]);
+        let mut stream = Stream::new(21);
+        let mut footprints = vec![
+            // Along all pages; half a map and more, beyond its border.
+            box_of([0.5, 0.5], [0.0, 1.0], [0.97 * long, 40.3], size),
+            box_of([0.95, 0.1], [0.02, 1.0], [0.6 * long, 21.0], size),
+        ];
+        for border in [0.0, 2048.0, 4096.0, long] {
+            let along = border.min(long) / long;
+            for edge in [0.7, 9.0, 33.3, 70.0] {
+                let mut centre = [along, stream.uniform()];
+                if height > width {
+                    centre.swap(0, 1);
+                }
+                let angle = [stream.between(-1.0, 1.0), stream.between(-1.0, 1.0)];
+                footprints.push(box_of(centre, angle, [edge, edge * 0.8], size));
+            }
+        }
+        let naive = [(naive_lists::package(&map, 0.2), Lookup::Lists)];
+        compare(&map, 0.2, 8, &footprints, WEIGHT_ROUNDING);
+        compare_by(&naive, &map, 0.2, &footprints, WEIGHT_ROUNDING);
+    }
+}
+
+/// A box around `centre` with `edges` in texels of a map of `size`, the first along (`cosine`, `sine`) made to length 1;
+/// (0, 1) is along the map's longer side.
+fn box_of(
+    centre: [f64; 2],
+    [sine, cosine]: [f64; 2],
+    edges: [f64; 2],
+    size: [f64; 2],
+) -> Footprint {
+    let length = sine.hypot(cosine);
+    let (mut cosine, mut sine) = (cosine / length, sine / length);
+    if size[1] > size[0] {
+        (cosine, sine) = (-sine, cosine);
+    }
+    Footprint {
+        centre,
+        edge_1: [edges[0] * cosine / size[0], edges[0] * sine / size[1]],
+        edge_2: [-edges[1] * sine / size[0], edges[1] * cosine / size[1]],
     }
 }
