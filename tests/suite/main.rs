@@ -11,6 +11,7 @@ mod energy;
 mod flake_bins;
 mod golden;
 mod hostile;
+mod instructions;
 mod masked_brdf;
 mod masking;
 mod opening;

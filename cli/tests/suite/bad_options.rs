@@ -69,9 +69,27 @@ fn options_of_another_method_are_refused_with_the_reason() {
     }
     refuses(&[mirrors, "--bins=many"], &["--bins", "many"]);
     refuses(
-        &["--roughness=0.1", "--leaf-size=0"],
+        &["--roughness=0.1", "--index=forest", "--leaf-size=0"],
         &["--leaf-size 0", "at least 1"],
     );
+    for index in [
+        None,
+        Some("--index=auto"),
+        Some("--index=tiles"),
+        Some("--index=none"),
+    ] {
+        let leaves = ["--roughness=0.1", "--leaf-size=8"];
+        refuses(
+            &leaves.into_iter().chain(index).collect::<Vec<_>>(),
+            &["--leaf-size 8: only a forest has leaves; add --index forest"],
+        );
+    }
+    for index in ["trees", "Tiles", "dense", ""] {
+        refuses(
+            &["--roughness=0.1", &format!("--index={index}")],
+            &["--index", index, "auto, forest, tiles, none"],
+        );
+    }
     refuses(
         &["--method=flake-bins,flake-bins", "--roughness=0.1"],
         &["--method flake-bins", "named twice"],

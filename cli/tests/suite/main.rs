@@ -14,6 +14,7 @@ mod determinism;
 mod files;
 mod help;
 mod incremental;
+mod index;
 mod json;
 mod outputs;
 mod query;
