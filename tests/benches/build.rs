@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p glintbake-tests --bench build`
 
-use glintbake_bake::build::{bin_map, forest, inverse_bin_map, masking};
+use glintbake_bake::build::{bin_map, block_lists, forest, inverse_bin_map, masking};
 use glintbake_bake::normals::NormalMap;
 use glintbake_format::model::{BinGrid, Binning, Wrap, disk_grid_resolution};
 use glintbake_samples::Kind;
@@ -38,20 +38,26 @@ fn a_bin_map(bencher: divan::Bencher<'_, '_>, name: &str) {
 }
 
 #[divan::bench(args = KINDS)]
-fn b_inverse_bin_map(bencher: divan::Bencher<'_, '_>, name: &str) {
+fn b_block_lists(bencher: divan::Bencher<'_, '_>, name: &str) {
+    let bin_map = bin_map::build(map(name), grid());
+    bencher.bench_local(|| block_lists::build(&bin_map, SIDE, SIDE));
+}
+
+#[divan::bench(args = KINDS)]
+fn c_inverse_bin_map(bencher: divan::Bencher<'_, '_>, name: &str) {
     let bin_map = bin_map::build(map(name), grid());
     bencher.bench_local(|| inverse_bin_map::build(&bin_map, SIDE, SIDE));
 }
 
 #[divan::bench(args = [("flakes", 32), ("scratches", 32), ("brushed", 32), ("noise", 32), ("flakes", 10)])]
-fn c_forest(bencher: divan::Bencher<'_, '_>, (name, leaf_size): (&str, u32)) {
+fn d_forest(bencher: divan::Bencher<'_, '_>, (name, leaf_size): (&str, u32)) {
     let bin_map = bin_map::build(map(name), grid());
     let inverse = inverse_bin_map::build(&bin_map, SIDE, SIDE);
     bencher.bench_local(|| forest::build(&inverse, leaf_size));
 }
 
 #[divan::bench(args = KINDS)]
-fn d_masking(bencher: divan::Bencher<'_, '_>, name: &str) {
+fn e_masking(bencher: divan::Bencher<'_, '_>, name: &str) {
     let map = map(name);
     bencher.bench_local(|| masking::build(map));
 }
