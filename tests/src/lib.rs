@@ -7,6 +7,7 @@ pub mod naive_lists;
 pub mod paper_forest;
 pub mod parallelogram;
 pub mod plain_scan;
+pub mod plot;
 pub mod seeds;
 pub mod tolerances;
 pub mod window;
