@@ -58,13 +58,14 @@ pub fn bake_with_progress(
         plan: PackagePlan::new(recipe.hash(&inputs)),
         instances: Vec::new(),
         left_out: Vec::new(),
+        chosen: Vec::new(),
         progress,
         instance_count: recipe.instance_count(),
     };
     for method in &recipe.methods {
         baker(method.method).bake(map, method, &mut bake)?;
     }
-    let metadata = metadata::text(recipe, source, &bake.left_out);
+    let metadata = metadata::text(recipe, source, &bake);
     let records: Vec<_> = bake
         .instances
         .into_iter()

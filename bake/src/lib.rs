@@ -28,4 +28,4 @@ pub use bake::{bake, bake_with_progress, check};
 pub use error::BakeError;
 pub use package::PackagePlan;
 pub use progress::{Progress, Stage};
-pub use recipe::{DEFAULT_LEAF_SIZE, LeftOut, MethodRecipe, Recipe, Source};
+pub use recipe::{Chosen, DEFAULT_LEAF_SIZE, LeftOut, MethodRecipe, Recipe, Source};

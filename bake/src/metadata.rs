@@ -1,10 +1,11 @@
 //! The metadata section: what a person or a build wants to know of a package, as JSON with sorted keys.
 
-use crate::recipe::{LeftOut, Recipe, Source};
+use crate::methods::Bake;
+use crate::recipe::{Recipe, Source};
 use serde_json::{Value, json};
 
 /// The metadata of a package, as canonical JSON text. Nothing in it depends on time, machine or folder.
-pub(crate) fn text(recipe: &Recipe, source: Option<&Source>, left_out: &[LeftOut]) -> String {
+pub(crate) fn text(recipe: &Recipe, source: Option<&Source>, bake: &Bake<'_>) -> String {
     let inputs: Vec<Value> = source
         .iter()
         .map(|source| {
@@ -22,7 +23,8 @@ pub(crate) fn text(recipe: &Recipe, source: Option<&Source>, left_out: &[LeftOut
             "texture": "u right along columns, v down along rows, one tile is the unit square",
         },
         "inputs": inputs,
-        "left-out": left_out,
+        "chosen": bake.chosen,
+        "left-out": bake.left_out,
         "recipe": recipe,
         "statistics": source.map(|source| &source.statistics),
         "tool": { "name": "glintbake", "version": env!("CARGO_PKG_VERSION") },

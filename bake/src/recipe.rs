@@ -84,6 +84,18 @@ pub struct Source {
     pub statistics: Statistics,
 }
 
+/// How an instance finds the texels of a bin, and why.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Chosen {
+    /// The instance.
+    pub instance: u16,
+    /// The kind chosen.
+    pub inverse: &'static str,
+    /// Why.
+    pub reason: String,
+}
+
 /// A section that is not in the package, and why.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]

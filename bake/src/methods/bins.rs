@@ -1,15 +1,14 @@
 //! What the methods that bin normals have in common: the bin map, and what finds the texels of a bin.
 
-use super::{Bake, masking};
-use crate::build::{bin_map, block_lists, exact_normals, forest, inverse_bin_map};
+use super::{Bake, inverse, masking};
+use crate::build::{bin_map, exact_normals};
 use crate::error::BakeError;
 use crate::normals::NormalMap;
 use crate::progress::Stage;
-use crate::recipe::MethodRecipe;
+use crate::recipe::{Chosen, MethodRecipe};
 use glintbake_format::model::{BinGrid, Filter};
 use glintbake_format::records::{
-    BIN_MAP, BLOCKED_BIN_MAP, EXACT_NORMALS, FOREST, INDEX, INVERSE_BIN_MAP, Instance, InverseKind,
-    LIST_BLOCKS, LIST_COUNTS, LIST_KEYS, LIST_TILES, LISTS, OCCUPIED_BINS, PAGES,
+    BIN_MAP, BLOCKED_BIN_MAP, EXACT_NORMALS, Instance, InverseKind, OCCUPIED_BINS,
 };
 use glintbake_format::view::KeyLayout;
 
@@ -31,7 +30,7 @@ pub(super) fn add_instance(
     bake.begin(Stage::Bins);
     let bin_map = bin_map::build(map, grid);
     bake.begin(Stage::Structures);
-    let inverse = recipe.inverse.unwrap_or(InverseKind::Tiles);
+    let choice = inverse::choose(&bin_map, grid, recipe, [width, height]);
     let instance = Instance {
         layer: 0,
         number: bake.next_number(),
@@ -41,8 +40,8 @@ pub(super) fn add_instance(
         height,
         roughness,
         grid,
-        inverse,
-        leaf_size: if inverse == InverseKind::Forest {
+        inverse: choice.kind,
+        leaf_size: if choice.kind == InverseKind::Forest {
             recipe.leaf_size
         } else {
             0
@@ -51,7 +50,12 @@ pub(super) fn add_instance(
         index: bin_map.index,
         key_count: bin_map.key_count,
     };
-    add_inverse(&bin_map, &instance, bake);
+    bake.chosen.push(Chosen {
+        instance: instance.number,
+        inverse: choice.kind.name(),
+        reason: choice.reason.clone(),
+    });
+    inverse::add(choice, &bin_map, &instance, bake);
     add_bin_map(bin_map, &instance, bake);
     let mut left_out = |section, reason| bake.leave_out(&instance, section, reason);
     // Exact normals are places within bins: the finest bins place them best, and once is enough.
@@ -67,42 +71,6 @@ pub(super) fn add_instance(
     masking::add(map, recipe, &instance, bake);
     bake.instances.push(instance);
     Ok(())
-}
-
-/// Adds what finds the texels of a bin.
-fn add_inverse(bin_map: &bin_map::BinMap, instance: &Instance, bake: &mut Bake) {
-    let (width, height) = (instance.width, instance.height);
-    match instance.inverse {
-        InverseKind::Forest => {
-            let inverse = inverse_bin_map::build(bin_map, width, height);
-            match forest::build(&inverse, instance.leaf_size) {
-                Some(nodes) => bake.plan.add(instance.section(FOREST), nodes),
-                None => bake.leave_out(instance, "FRST", "no bin holds more texels than a leaf"),
-            }
-            bake.plan.add(instance.section(INDEX), inverse.offsets);
-            bake.plan
-                .add(instance.section(INVERSE_BIN_MAP), inverse.positions);
-        }
-        InverseKind::Tiles => {
-            let lists = block_lists::build(bin_map, width, height);
-            bake.plan.add(instance.section(PAGES), lists.pages);
-            bake.plan.add(instance.section(LISTS), lists.starts);
-            bake.plan.add(instance.section(LIST_BLOCKS), lists.blocks);
-            bake.plan.add(instance.section(LIST_COUNTS), lists.counts);
-            if lists.keys.is_empty() {
-                let reason = "a list for every key of every page is smaller than naming keys";
-                bake.leave_out(instance, "LKEY", reason);
-            } else {
-                bake.plan.add(instance.section(LIST_KEYS), lists.keys);
-            }
-            if lists.tiles.is_empty() {
-                bake.leave_out(instance, "LTIL", "no list is long and dense enough");
-            } else {
-                bake.plan.add(instance.section(LIST_TILES), lists.tiles);
-            }
-        }
-        InverseKind::None => {}
-    }
 }
 
 /// Adds the bin map and what its keys mean.

@@ -2,6 +2,7 @@
 
 mod bins;
 mod flake_bins;
+mod inverse;
 mod masking;
 mod specular_bins;
 
@@ -9,7 +10,7 @@ use crate::error::BakeError;
 use crate::normals::NormalMap;
 use crate::package::PackagePlan;
 use crate::progress::{Progress, Stage};
-use crate::recipe::{LeftOut, MethodRecipe};
+use crate::recipe::{Chosen, LeftOut, MethodRecipe};
 use glintbake_format::model::Method;
 use glintbake_format::records::Instance;
 
@@ -55,6 +56,8 @@ pub struct Bake<'a> {
     pub instances: Vec<Instance>,
     /// What was left out, and why.
     pub left_out: Vec<LeftOut>,
+    /// What was chosen, and why.
+    pub chosen: Vec<Chosen>,
     /// Who hears how far it has come.
     pub progress: &'a dyn Progress,
     /// How many instances there will be.
