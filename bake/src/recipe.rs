@@ -2,7 +2,7 @@
 
 use crate::image::{InputFile, ReadOptions};
 use crate::normals::{DecodeOptions, Statistics};
-use glintbake_format::model::Method;
+use glintbake_format::model::{Filter, Method};
 use glintbake_format::records::InverseKind;
 use serde::Serialize;
 
@@ -34,6 +34,9 @@ pub struct MethodRecipe {
     pub roughness: Vec<f64>,
     /// Bins a side, for a method that does not derive them.
     pub bins: Option<u32>,
+    /// How the footprint of a query that names no filter weighs texels.
+    #[serde(serialize_with = "filter_name")]
+    pub filter: Filter,
     /// How the texels of a bin are to be found; `None` for what costs least on the map.
     #[serde(serialize_with = "inverse_name")]
     pub inverse: Option<InverseKind>,
@@ -55,6 +58,7 @@ impl MethodRecipe {
             method,
             roughness: roughness.to_vec(),
             bins: None,
+            filter: Filter::Box,
             inverse: None,
             leaf_size: DEFAULT_LEAF_SIZE,
             exact_normals: false,
@@ -65,6 +69,10 @@ impl MethodRecipe {
 
 fn method_name<S: serde::Serializer>(method: &Method, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(method.name())
+}
+
+fn filter_name<S: serde::Serializer>(filter: &Filter, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(filter.name())
 }
 
 #[expect(clippy::ref_option, reason = "the signature is serde's")]

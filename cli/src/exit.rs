@@ -145,8 +145,7 @@ impl From<QueryError> for CommandError {
             QueryError::NotFinite
             | QueryError::FootprintTooLarge
             | QueryError::TooManyTexels { .. } => Failure::Content,
-            QueryError::FilterUnsupported(..)
-            | QueryError::SettingUnsupported(_)
+            QueryError::SettingUnsupported(_)
             | QueryError::NotBaked { .. }
             | QueryError::NoSuchInstance(_) => Failure::NotBaked,
             QueryError::Damaged(_) => Failure::Package,

@@ -1,7 +1,7 @@
 //! Why a query has no answer.
 
 use core::fmt;
-use glintbake_format::model::{Filter, MAX_EDGE_TILES, Method};
+use glintbake_format::model::{MAX_EDGE_TILES, Method};
 use glintbake_format::{Finding, FourCc};
 
 /// Why a query has no answer.
@@ -16,8 +16,6 @@ pub enum QueryError {
         /// The most texels a scan of this map visits.
         limit: u64,
     },
-    /// The method does not answer for this filter.
-    FilterUnsupported(Method, Filter),
     /// The setting means nothing for this method.
     SettingUnsupported(Method),
     /// The package was baked without a section that this query needs.
@@ -50,12 +48,6 @@ impl fmt::Display for QueryError {
             Self::TooManyTexels { limit } => write!(
                 f,
                 "the exact setting would scan more than {limit} texels; use the binned setting for footprints this large"
-            ),
-            Self::FilterUnsupported(method, filter) => write!(
-                f,
-                "{} does not answer for {} footprints; use the box filter",
-                method.name(),
-                filter.name()
             ),
             Self::SettingUnsupported(method) => {
                 write!(f, "{} has no such setting; leave it out", method.name())

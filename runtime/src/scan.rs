@@ -9,6 +9,8 @@ use glintbake_format::model::Wrap;
 const BUDGET_MAPS: u64 = 16;
 /// What a scan may visit on any map, however small.
 const BUDGET_LEAST: u64 = 1 << 16;
+/// How many times as many under a Gaussian, whose ellipse has up to 58 times the area of the box of half its edges.
+const GAUSSIAN_BUDGET: u64 = 4;
 /// Rows handed out together. Rows of a map are pages apart in memory, and whoever waits for the first texel of one
 /// may as well wait for several.
 const ROWS: usize = 8;
@@ -225,11 +227,15 @@ impl MapShape {
 
     /// Column and row, on the map, of the texel under the point of `footprint` at parameters (`a`, `b`).
     pub fn texel_at(self, footprint: &Parallelogram, a: f64, b: f64) -> (u32, u32) {
+        self.fold(footprint.texel(a, b))
+    }
+
+    /// Column and row, on the map, of the texel in column and row `texel` of endless texture.
+    pub fn fold(self, [column, row]: [i64; 2]) -> (u32, u32) {
         let fold = |cell: i64, size: u32| match self.wrap {
             Wrap::Repeat => cell.rem_euclid(i64::from(size)) as u32,
             Wrap::Clamp => cell.clamp(0, i64::from(size) - 1) as u32,
         };
-        let [column, row] = footprint.texel(a, b);
         (fold(column, self.width), fold(row, self.height))
     }
 }
@@ -306,6 +312,12 @@ impl Budget {
     pub fn new(shape: MapShape) -> Self {
         let map_texels = u64::from(shape.width) * u64::from(shape.height);
         let limit = (BUDGET_MAPS * map_texels).max(BUDGET_LEAST);
+        Self { left: limit, limit }
+    }
+
+    /// What a scan may visit of a map of `shape` under a Gaussian, which reaches further than a box of its edges.
+    pub fn for_gaussian(shape: MapShape) -> Self {
+        let limit = GAUSSIAN_BUDGET * Self::new(shape).limit;
         Self { left: limit, limit }
     }
 

@@ -6,7 +6,7 @@
 use crate::lies::reseal;
 use crate::tolerances::{WEIGHT, WEIGHT_SUM};
 use glintbake_format::check;
-use glintbake_format::model::{Footprint, HalfVector, Neighbourhood};
+use glintbake_format::model::{Filter, Footprint, HalfVector, Neighbourhood};
 use glintbake_format::records::InverseKind;
 use glintbake_runtime::microfacet::{brdf, fresnel::Fresnel};
 use glintbake_runtime::ndf::Lookup;
@@ -57,7 +57,9 @@ pub fn interrogate(bytes: &[u8]) {
                     ask(&ndf, size, is_sound);
                 }
                 if let SurfaceNdf::FlakeBins(ndf) = ndf {
-                    compare_lookups(&ndf, size, is_sound);
+                    compare_lookups(&ndf.with_filter(Filter::Box), size, is_sound);
+                    let gaussian = ndf.with_filter(Filter::Gaussian).with_tolerance(0.0);
+                    compare_lookups(&gaussian, size, is_sound);
                 }
             }
             Err(error) => assert!(is_excused(error, is_sound), "{error}"),
@@ -76,7 +78,7 @@ fn shade(ndf: &SurfaceNdf<'_>, size: [u32; 2]) {
     }
 }
 
-/// `ndf` by every setting it has and every way to look up.
+/// `ndf` by every setting it has and every way to look up, under boxes and Gaussians.
 fn variants(ndf: SurfaceNdf<'_>) -> Vec<SurfaceNdf<'_>> {
     let mut variants = vec![ndf];
     let settings = [
@@ -97,6 +99,9 @@ fn variants(ndf: SurfaceNdf<'_>) -> Vec<SurfaceNdf<'_>> {
         let forced = [Lookup::Lists, Lookup::Scan];
         variants.extend(forced.map(|lookup| SurfaceNdf::FlakeBins(ndf.with_lookup(lookup))));
     }
+    let gaussian = variants.clone();
+    variants.extend(gaussian.iter().map(|ndf| ndf.with_filter(Filter::Gaussian)));
+    variants.push(ndf.with_filter(Filter::Gaussian).with_tolerance(0.0));
     variants
 }
 
@@ -255,9 +260,14 @@ fn compare_lookups(ndf: &FlakeBins<'_>, size: [u32; 2], is_sound: bool) {
         if !is_sound {
             continue;
         }
+        // What a Gaussian's ellipse cuts off is given back to what is left.
+        let most = match ndf.filter() {
+            Filter::Box => WEIGHT_SUM,
+            Filter::Gaussian => 1e-5 + WEIGHT_SUM,
+        };
         let sum: f64 = first.iter().map(|(_, weight)| weight).sum();
         assert!(
-            sum <= 1.0 + WEIGHT_SUM,
+            sum <= 1.0 + most,
             "weights of {footprint:?} add up to {sum}"
         );
         for other in others {

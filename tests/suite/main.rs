@@ -9,6 +9,7 @@ mod corpus;
 mod determinism;
 mod energy;
 mod flake_bins;
+mod gaussian;
 mod golden;
 mod hostile;
 mod instructions;

@@ -2,7 +2,7 @@
 
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::oracle;
-use glintbake_format::model::{Footprint, HalfVector, Neighbourhood, Wrap};
+use glintbake_format::model::{Filter, Footprint, HalfVector, Neighbourhood, Wrap};
 use glintbake_runtime::{Ndf, Package, Setting, SurfaceNdf};
 use glintbake_samples::Kind;
 use glintbake_tests::fixtures::{Stream, flake_package, sample_map, specular_package};
@@ -176,6 +176,39 @@ fn flake_bins_samples_follow_the_pdf_where_flakes_lean_to_the_rim() {
     let bytes = flake_package(&tilted, &[0.3]);
     let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
     check(&ndf, &footprint, &RINGS, "rim");
+}
+
+#[test]
+fn samples_follow_the_pdf_under_gaussian_footprints() {
+    for wrap in [Wrap::Repeat, Wrap::Clamp] {
+        let map = sample_map(Kind::Waves, 48, 32, 3, wrap);
+        let mut footprint = Stream::new(5).footprint(&map, 9.0);
+        // Across the border.
+        footprint.centre = [0.1, 0.97];
+        let bytes = flake_package(&map, &[0.2]);
+        let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
+        for setting in [Setting::default(), Setting::Exact] {
+            let ndf = ndf
+                .with_filter(Filter::Gaussian)
+                .with_setting(setting)
+                .unwrap();
+            check(
+                &ndf,
+                &footprint,
+                &RINGS,
+                &format!("Gaussian, {wrap:?}, {setting:?}"),
+            );
+        }
+        let bytes = specular_package(&map, 12);
+        let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
+        let ndf = ndf.with_filter(Filter::Gaussian);
+        check(
+            &ndf,
+            &footprint,
+            &BINS,
+            &format!("Gaussian, {wrap:?}, specular-bins"),
+        );
+    }
 }
 
 #[test]

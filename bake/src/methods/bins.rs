@@ -6,7 +6,7 @@ use crate::error::BakeError;
 use crate::normals::NormalMap;
 use crate::progress::Stage;
 use crate::recipe::{Chosen, MethodRecipe};
-use glintbake_format::model::{BinGrid, Filter};
+use glintbake_format::model::BinGrid;
 use glintbake_format::records::{
     BIN_MAP, BLOCKED_BIN_MAP, EXACT_NORMALS, Instance, InverseKind, OCCUPIED_BINS,
 };
@@ -46,7 +46,7 @@ pub(super) fn add_instance(
         } else {
             0
         },
-        filter: Filter::Box,
+        filter: recipe.filter,
         index: bin_map.index,
         key_count: bin_map.key_count,
     };

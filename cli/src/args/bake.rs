@@ -1,12 +1,12 @@
 //! `bake`
 
-use super::select::method;
+use super::select::{filter, method};
 use crate::exit::{CommandError, Failure};
 use clap::Args;
 use glintbake_bake::image::ReadOptions;
 use glintbake_bake::normals::{Channels, DecodeOptions, GreenAxis, Input, Range, Zero};
 use glintbake_bake::{BakeError, DEFAULT_LEAF_SIZE, MethodRecipe, Recipe};
-use glintbake_format::model::{Method, Wrap, beckmann_from_intrinsic};
+use glintbake_format::model::{Filter, Method, Wrap, beckmann_from_intrinsic};
 use glintbake_format::records::InverseKind;
 use std::path::PathBuf;
 
@@ -45,6 +45,10 @@ pub struct BakeArgs {
     /// Bins a side for specular-bins [default: 127]
     #[arg(long, value_name = "N")]
     pub bins: Option<u32>,
+
+    /// How the footprint of a query that names no filter weighs texels: box or gaussian
+    #[arg(long, default_value = "box", value_parser = filter)]
+    pub filter: Filter,
 
     /// How the texels of a bin are found: tiles, forest, none (the bin map is scanned), or auto for what costs least
     #[arg(long, default_value = "auto", value_name = "KIND", value_parser = inverse)]
@@ -279,6 +283,7 @@ impl BakeArgs {
                         Vec::new()
                     },
                     bins: self.bins.filter(|_| !rough || !several),
+                    filter: self.filter,
                     inverse: self.index.0,
                     leaf_size: self.leaf_size.unwrap_or(DEFAULT_LEAF_SIZE),
                     exact_normals: self.exact_normals && (rough || !several),

@@ -5,7 +5,8 @@ use clap::Args;
 use glintbake_format::model::{
     Filter, METHODS, Method, Neighbourhood, beckmann_from_intrinsic, intrinsic_from_beckmann,
 };
-use glintbake_runtime::{Ndf, Package, QueryError, Setting, SurfaceNdf};
+use glintbake_runtime::ndf::DEFAULT_TOLERANCE;
+use glintbake_runtime::{Ndf, Package, Setting, SurfaceNdf};
 
 /// What to evaluate; all of it can be left out.
 #[derive(Debug, Args, Clone, Default)]
@@ -31,6 +32,11 @@ pub struct SettingArgs {
     #[arg(long, value_parser = filter)]
     pub filter: Option<Filter>,
 
+    /// How far a Gaussian may range over texels that are weighed together, as a share of its peak; 0 weighs every
+    /// texel exactly [default: 0.125]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = tolerance)]
+    pub tolerance: Option<f64>,
+
     /// Sum over texels with their true normals (Atanasov 2021 eq. 11); needs a package baked with --exact-normals
     #[arg(long, conflicts_with = "paper")]
     pub exact: bool,
@@ -48,11 +54,19 @@ pub(super) fn method(name: &str) -> Result<Method, String> {
     })
 }
 
-fn filter(name: &str) -> Result<Filter, String> {
+/// The filter called `name`; for the command line.
+pub(super) fn filter(name: &str) -> Result<Filter, String> {
     [Filter::Box, Filter::Gaussian]
         .into_iter()
         .find(|filter| filter.name() == name)
         .ok_or_else(|| "it must be box or gaussian".to_owned())
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(tolerance) if (0.0..=1.0).contains(&tolerance) => Ok(tolerance),
+        _ => Err("it must be a number from 0 to 1".to_owned()),
+    }
 }
 
 /// An instance under a setting, and the words for it.
@@ -68,7 +82,8 @@ impl SettingArgs {
     /// The instance of `package` these arguments choose.
     ///
     /// # Errors
-    /// [`Failure::NotBaked`], with what the package has, if it has no such instance, section or filter.
+    /// [`Failure::NotBaked`], with what the package has, if it has no such instance, or section, and
+    /// [`Failure::Usage`] for a tolerance without a Gaussian.
     pub fn choose<'a>(&self, package: &Package<'a>) -> Result<QuerySettings<'a>, CommandError> {
         let roughness = self
             .roughness
@@ -77,10 +92,23 @@ impl SettingArgs {
             .find(self.method, roughness)
             .ok_or_else(|| self.not_baked(package))?;
         let filter = self.filter.unwrap_or(instance.filter);
-        if filter != Filter::Box {
-            return Err(QueryError::FilterUnsupported(instance.method, filter).into());
-        }
-        let mut ndf = package.ndf(instance.number)?;
+        let tolerance = self.tolerance.unwrap_or(DEFAULT_TOLERANCE);
+        let tolerance_said = match filter {
+            Filter::Box if self.tolerance.is_some() => {
+                return Err(CommandError::new(
+                    Failure::Usage,
+                    "--tolerance: only Gaussian footprints have one; add --filter gaussian, or leave it out",
+                ));
+            }
+            Filter::Box => String::new(),
+            // These sum over texels and never weigh any together.
+            Filter::Gaussian if self.exact => " tolerance=0".to_owned(),
+            Filter::Gaussian => format!(" tolerance={tolerance}"),
+        };
+        let mut ndf = package
+            .ndf(instance.number)?
+            .with_filter(filter)
+            .with_tolerance(tolerance);
         if self.exact {
             ndf = ndf.with_setting(Setting::Exact)?;
         } else if self.paper {
@@ -91,7 +119,7 @@ impl SettingArgs {
             .map(|alpha| format!(" roughness={alpha}"))
             .unwrap_or_default();
         let description = format!(
-            "method={} kernel={} filter={}{roughness} bins={} setting={}",
+            "method={} kernel={} filter={}{tolerance_said}{roughness} bins={} setting={}",
             instance.method.name(),
             instance.method.kernel().name(),
             filter.name(),

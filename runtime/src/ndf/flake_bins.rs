@@ -5,14 +5,14 @@
 //! texels under the footprint (eq. 11).
 
 use super::bin_weights::{
-    BinWindow, How, Lookup, bin_weights, check_finite, map_shape, parallelogram, texel_under,
+    BinWindow, How, Lookup, Patch, bin_weights, check_finite, for_each_texel, map_shape,
+    patch_under, texel_under,
 };
 use super::{Facet, Ndf};
 use crate::error::QueryError;
 use crate::microfacet::{Masking, beckmann};
-use crate::overlap::Parallelogram;
 use crate::simd::Instructions;
-use glintbake_format::model::{Footprint, HalfVector, Neighbourhood};
+use glintbake_format::model::{Filter, Footprint, HalfVector, Neighbourhood};
 use glintbake_format::records::{EXACT_NORMALS, Instance};
 use glintbake_format::view::{BinTables, ExactNormals};
 use glintbake_format::{Container, Fault, Finding};
@@ -52,6 +52,7 @@ pub struct FlakeBins<'a> {
     masking: Masking<'a>,
     roughness: f64,
     setting: Setting,
+    filter: Filter,
     how: How,
 }
 
@@ -70,6 +71,7 @@ impl<'a> FlakeBins<'a> {
             masking: Masking::of_map(container, instance)?,
             roughness,
             setting: Setting::default(),
+            filter: instance.filter,
             how: How::default(),
         })
     }
@@ -100,6 +102,26 @@ impl<'a> FlakeBins<'a> {
         self
     }
 
+    /// The same P-NDF under another filter; that of the instance unless this says otherwise.
+    #[must_use]
+    pub fn with_filter(mut self, filter: Filter) -> Self {
+        self.filter = filter;
+        self
+    }
+
+    /// The same P-NDF, Gaussian footprints weighed within `tolerance`: see
+    /// [`SurfaceNdf::with_tolerance`](super::SurfaceNdf::with_tolerance).
+    #[must_use]
+    pub fn with_tolerance(mut self, tolerance: f64) -> Self {
+        self.how.tolerance = tolerance;
+        self
+    }
+
+    /// The filter that weighs footprints.
+    pub const fn filter(&self) -> Filter {
+        self.filter
+    }
+
     /// The setting queries are answered under.
     pub const fn setting(&self) -> Setting {
         self.setting
@@ -118,13 +140,13 @@ impl<'a> FlakeBins<'a> {
         visit: &mut dyn FnMut(u32, u32, f64),
     ) -> Result<(), QueryError> {
         check_finite(half_vector)?;
-        let footprint = parallelogram(&self.tables, footprint)?;
-        self.weigh(&footprint, half_vector, neighbourhood, visit)
+        let patch = patch_under(&self.tables, footprint, self.filter)?;
+        self.weigh(&patch, half_vector, neighbourhood, visit)
     }
 
     fn weigh(
         &self,
-        footprint: &Parallelogram,
+        patch: &Patch,
         half_vector: HalfVector,
         neighbourhood: Neighbourhood,
         visit: &mut dyn FnMut(u32, u32, f64),
@@ -137,7 +159,7 @@ impl<'a> FlakeBins<'a> {
         };
         bin_weights(
             &self.tables,
-            footprint,
+            patch,
             window,
             self.how,
             &mut |column, row, weight| visit(column, row, weight),
@@ -195,7 +217,7 @@ impl Ndf for FlakeBins<'_> {
     ) -> Result<(), QueryError> {
         check_finite(half_vector)?;
         // Refuse a bad footprint whatever the half vector, so that an error does not depend on the light.
-        let footprint = parallelogram(&self.tables, footprint)?;
+        let patch = patch_under(&self.tables, footprint, self.filter)?;
         if !half_vector.is_on_disk() {
             return Ok(());
         }
@@ -214,23 +236,32 @@ impl Ndf for FlakeBins<'_> {
             Setting::Binned(neighbourhood) => {
                 let grid = self.tables.instance.grid;
                 self.weigh(
-                    &footprint,
+                    &patch,
                     half_vector,
                     neighbourhood,
                     &mut |column, row, weight| emit(grid.centre(column, row), weight),
                 )
             }
-            Setting::Exact => map_shape(&self.tables).scan(&footprint, &mut |rows| {
-                for row in rows {
-                    for column in row.columns.clone() {
-                        let weight = row.weight(column);
-                        if weight > 0.0 {
-                            emit(self.normal_of_texel(column, row.row)?, weight);
-                        }
+            Setting::Exact => {
+                let shape = map_shape(&self.tables);
+                let mut visit = |column, row, weight| {
+                    if weight > 0.0 {
+                        emit(self.normal_of_texel(column, row)?, weight);
                     }
+                    Ok(())
+                };
+                match &patch {
+                    Patch::Box(footprint) => shape.scan(footprint, &mut |rows| {
+                        for row in rows {
+                            for column in row.columns.clone() {
+                                visit(column, row.row, row.weight(column))?;
+                            }
+                        }
+                        Ok(())
+                    }),
+                    Patch::Gaussian(footprint) => for_each_texel(shape, footprint, &mut visit),
                 }
-                Ok(())
-            }),
+            }
         }
     }
 
@@ -239,8 +270,12 @@ impl Ndf for FlakeBins<'_> {
         footprint: &Footprint,
         uniform: [f64; 4],
     ) -> Result<Option<HalfVector>, QueryError> {
-        let (texel_column, texel_row) =
-            texel_under(&self.tables, footprint, [uniform[0], uniform[1]])?;
+        let (texel_column, texel_row) = texel_under(
+            &self.tables,
+            footprint,
+            self.filter,
+            [uniform[0], uniform[1]],
+        )?;
         let centre = self.normal_of_texel(texel_column, texel_row)?;
         let drawn = beckmann::sample(centre, self.roughness, [uniform[2], uniform[3]]);
         if drawn[2] <= 0.0 {

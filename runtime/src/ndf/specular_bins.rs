@@ -4,12 +4,12 @@
 //! Microstructure", 2020. `D(h) = Σ |A ∩ T_k| / (|H| |A|)` over the texels whose normal shares h's bin H (§2):
 //! the true density averaged over that bin.
 
-use super::bin_weights::{BinWindow, How, bin_weights, check_finite, parallelogram, texel_under};
+use super::bin_weights::{BinWindow, How, bin_weights, check_finite, patch_under, texel_under};
 use super::{Facet, Ndf};
 use crate::error::QueryError;
 use crate::microfacet::Masking;
 use glintbake_format::Container;
-use glintbake_format::model::{Footprint, HalfVector};
+use glintbake_format::model::{Filter, Footprint, HalfVector};
 use glintbake_format::records::Instance;
 use glintbake_format::view::BinTables;
 
@@ -18,6 +18,8 @@ use glintbake_format::view::BinTables;
 pub struct SpecularBins<'a> {
     tables: BinTables<'a>,
     masking: Masking<'a>,
+    filter: Filter,
+    how: How,
 }
 
 impl<'a> SpecularBins<'a> {
@@ -29,7 +31,29 @@ impl<'a> SpecularBins<'a> {
         Ok(Self {
             tables: BinTables::open(container, instance)?,
             masking: Masking::of_map(container, instance)?,
+            filter: instance.filter,
+            how: How::default(),
         })
+    }
+
+    /// The same P-NDF under another filter; that of the instance unless this says otherwise.
+    #[must_use]
+    pub fn with_filter(mut self, filter: Filter) -> Self {
+        self.filter = filter;
+        self
+    }
+
+    /// The same P-NDF, Gaussian footprints weighed within `tolerance`: see
+    /// [`SurfaceNdf::with_tolerance`](super::SurfaceNdf::with_tolerance).
+    #[must_use]
+    pub fn with_tolerance(mut self, tolerance: f64) -> Self {
+        self.how.tolerance = tolerance;
+        self
+    }
+
+    /// The filter that weighs footprints.
+    pub const fn filter(&self) -> Filter {
+        self.filter
     }
 }
 
@@ -49,7 +73,7 @@ impl Ndf for SpecularBins<'_> {
         visit: &mut dyn FnMut(Facet),
     ) -> Result<(), QueryError> {
         check_finite(half_vector)?;
-        let footprint = parallelogram(&self.tables, footprint)?;
+        let patch = patch_under(&self.tables, footprint, self.filter)?;
         if !half_vector.is_on_disk() {
             return Ok(());
         }
@@ -62,9 +86,9 @@ impl Ndf for SpecularBins<'_> {
         };
         bin_weights(
             &self.tables,
-            &footprint,
+            &patch,
             window,
-            How::default(),
+            self.how,
             &mut |_, _, weight| {
                 visit(Facet {
                     normal: half_vector.direction(),
@@ -80,7 +104,12 @@ impl Ndf for SpecularBins<'_> {
         footprint: &Footprint,
         uniform: [f64; 4],
     ) -> Result<Option<HalfVector>, QueryError> {
-        let (column, row) = texel_under(&self.tables, footprint, [uniform[0], uniform[1]])?;
+        let (column, row) = texel_under(
+            &self.tables,
+            footprint,
+            self.filter,
+            [uniform[0], uniform[1]],
+        )?;
         let grid = self.tables.instance.grid;
         let (column, row) = grid.column_row(self.tables.bin_of_texel(column, row)?);
         // Equal areas of the square are equal solid angles: uniform in the bin's square is uniform in the bin.

@@ -6,10 +6,6 @@
 //! - `gaussian`: footprints that are Gaussians instead of boxes.
 
 mod clip;
-#[cfg_attr(
-    not(test),
-    expect(dead_code, reason = "the bins do not weigh Gaussian footprints yet")
-)]
 mod gaussian;
 mod outline;
 mod placement;
@@ -17,6 +13,7 @@ mod probe;
 mod rows;
 mod squares;
 
+pub(crate) use gaussian::{GaussianFootprint, GaussianRow, LOST, RADIUS};
 pub(crate) use outline::{CoveredRow, Outline};
 pub(crate) use probe::{Probe, Relation};
 pub(crate) use squares::SquareProbe;

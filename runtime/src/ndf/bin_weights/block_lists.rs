@@ -104,20 +104,20 @@ pub(super) fn count_map(
 }
 
 /// The lists of a window in one page that are not empty, with the places of their keys.
-struct WindowLists<'w> {
+pub(super) struct WindowLists<'w> {
     lists: [(u32, BlockList<'w>); WINDOW * WINDOW],
     count: usize,
 }
 
 impl<'w> WindowLists<'w> {
-    const NONE: Self = Self {
+    pub(super) const NONE: Self = Self {
         lists: [(0, BlockList::EMPTY); WINDOW * WINDOW],
         count: 0,
     };
 
     /// Adds the lists of `runs` in page number `page`.
     #[inline(always)]
-    fn find(
+    pub(super) fn find(
         &mut self,
         lists: &BlockLists<'w>,
         page: u32,
@@ -145,7 +145,7 @@ impl<'w> WindowLists<'w> {
         Ok(())
     }
 
-    fn as_slice(&self) -> &[(u32, BlockList<'w>)] {
+    pub(super) fn as_slice(&self) -> &[(u32, BlockList<'w>)] {
         self.lists.get(..self.count).unwrap_or_default()
     }
 }

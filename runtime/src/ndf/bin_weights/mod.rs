@@ -8,19 +8,21 @@ mod block_lists;
 mod cost;
 mod forest;
 mod frame;
+mod gaussian;
 mod keys;
 mod scan;
 mod sums;
 mod window;
 
+pub(crate) use gaussian::for_each_texel;
 pub(crate) use window::BinWindow;
 
 use crate::error::QueryError;
-use crate::overlap::{Outline, Parallelogram};
+use crate::overlap::{GaussianFootprint, Outline, Parallelogram};
 use crate::scan::{Budget, MapShape};
 use crate::simd::Instructions;
 use frame::Frame;
-use glintbake_format::model::{Footprint, HalfVector};
+use glintbake_format::model::{Filter, Footprint, HalfVector};
 use glintbake_format::records::LISTS;
 use glintbake_format::view::{BinTables, Inverse};
 use sums::Sums;
@@ -38,21 +40,47 @@ pub enum Lookup {
     Lists,
 }
 
-/// How a query goes about it; the answer is the same.
-#[derive(Clone, Copy, Debug, Default)]
+/// Tolerance of Gaussian footprints where none is named.
+pub const DEFAULT_TOLERANCE: f64 = 0.125;
+
+/// How a query goes about it: but for `tolerance` the answer is the same.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct How {
     pub lookup: Lookup,
     pub instructions: Instructions,
+    /// See [`SurfaceNdf::with_tolerance`](super::SurfaceNdf::with_tolerance).
+    pub tolerance: f64,
 }
 
-/// Calls `visit(column, row, weight)` for the bins of `window` that have weight over `footprint`.
+impl Default for How {
+    fn default() -> Self {
+        Self {
+            lookup: Lookup::default(),
+            instructions: Instructions::default(),
+            tolerance: DEFAULT_TOLERANCE,
+        }
+    }
+}
+
+/// A footprint on a map, in texels, as its filter weighs it.
+#[derive(Clone, Copy, Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "one a query, on the stack, for there is no heap"
+)]
+pub(crate) enum Patch {
+    Box(Parallelogram),
+    Gaussian(GaussianFootprint),
+}
+
+/// Calls `visit(column, row, weight)` for the bins of `window` that have weight over `patch`.
 ///
 /// # Errors
 /// [`QueryError::TooManyTexels`] from a scan, [`QueryError::NotBaked`] if lists are forced and there are none,
 /// [`QueryError::Damaged`].
 pub(crate) fn bin_weights(
     tables: &BinTables<'_>,
-    footprint: &Parallelogram,
+    patch: &Patch,
     window: BinWindow,
     how: How,
     visit: &mut impl FnMut(u32, u32, f64),
@@ -61,9 +89,14 @@ pub(crate) fn bin_weights(
     let Some(runs) = KeyRuns::new(window, grid, &tables.index) else {
         return Ok(());
     };
-    let mut sums = Sums::new();
-    find_sums(&mut sums, tables, footprint, &runs, how)?;
-    let weights = sums.weights(footprint);
+    let weights = match patch {
+        Patch::Box(footprint) => {
+            let mut sums = Sums::new();
+            find_sums(&mut sums, tables, footprint, &runs, how)?;
+            sums.weights(footprint.texel_weight())
+        }
+        Patch::Gaussian(footprint) => gaussian::weights(tables, footprint, &runs, how)?,
+    };
     for (start, count, place) in runs.iter() {
         let weights = weights.iter().skip(place as usize).take(count as usize);
         for (key, &weight) in (start..).zip(weights) {
@@ -173,28 +206,40 @@ pub(crate) fn map_shape(tables: &BinTables<'_>) -> MapShape {
     }
 }
 
-/// `footprint` on the map of `tables`, in texels.
-pub(crate) fn parallelogram(
+/// `footprint` on the map of `tables` as `filter` weighs it.
+pub(crate) fn patch_under(
     tables: &BinTables<'_>,
     footprint: &Footprint,
-) -> Result<Parallelogram, QueryError> {
+    filter: Filter,
+) -> Result<Patch, QueryError> {
     let MapShape {
         width,
         height,
         wrap,
     } = map_shape(tables);
-    Parallelogram::new(footprint, width, height, wrap)
+    Ok(match filter {
+        Filter::Box => Patch::Box(Parallelogram::new(footprint, width, height, wrap)?),
+        Filter::Gaussian => {
+            Patch::Gaussian(GaussianFootprint::new(footprint, width, height, wrap)?)
+        }
+    })
 }
 
-/// Column and row of the texel under a uniform point of `footprint`, drawn by two numbers in [0, 1).
+/// Column and row of the texel under a point of `footprint` drawn by `filter` and two numbers in [0, 1).
 pub(crate) fn texel_under(
     tables: &BinTables<'_>,
     footprint: &Footprint,
+    filter: Filter,
     uniform: [f64; 2],
 ) -> Result<(u32, u32), QueryError> {
-    let footprint = parallelogram(tables, footprint)?;
-    let [a, b] = uniform.map(|number| number - 0.5);
-    Ok(map_shape(tables).texel_at(&footprint, a, b))
+    let shape = map_shape(tables);
+    Ok(match patch_under(tables, footprint, filter)? {
+        Patch::Box(footprint) => {
+            let [a, b] = uniform.map(|number| number - 0.5);
+            shape.texel_at(&footprint, a, b)
+        }
+        Patch::Gaussian(footprint) => shape.fold(footprint.sample(uniform)),
+    })
 }
 
 /// Refuses a half vector that is no point.

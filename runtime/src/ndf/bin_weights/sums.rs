@@ -79,8 +79,8 @@ impl Sums {
         self.counted = 0;
     }
 
-    /// The weights by place, given `footprint`.
-    pub fn weights(&mut self, footprint: &Parallelogram) -> [f64; WINDOW * WINDOW] {
+    /// The weights by place, if a texel inside has the weight `texel_weight`.
+    pub fn weights(&mut self, texel_weight: f64) -> [f64; WINDOW * WINDOW] {
         if self.counted > 0 {
             self.pour();
         }
@@ -90,7 +90,7 @@ impl Sums {
             *weight = parts as f64 / UNITS;
             // The weight of a whole texel is infinite where there can be none.
             if inside > 0 {
-                *weight += inside as f64 * footprint.texel_weight();
+                *weight += inside as f64 * texel_weight;
             }
         }
         weights

@@ -11,7 +11,7 @@ const ROUNDING: f64 = 6_755_399_441_055_744.0;
 /// Branchless and without a call, so that loops over it become vector instructions. `2^y` for `y = -x / ln 2` is the
 /// nearest whole power, put together in the bits of a float, times a polynomial of degree 7 for the rest in
 /// [-1/2, 1/2]: the one of least relative error, 4.0e-11, by Remez's exchange.
-#[inline]
+#[inline(always)]
 pub(super) fn exp_negative(x: f64) -> f64 {
     let y = x.min(GREATEST) * -core::f64::consts::LOG2_E;
     let shifted = y + ROUNDING;

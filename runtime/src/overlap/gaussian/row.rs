@@ -40,7 +40,7 @@ impl<'a> GaussianRow<'a> {
     }
 
     /// Where the middle of column `column` lies, relative to the Gaussian's centre.
-    #[inline]
+    #[inline(always)]
     fn middle(&self, column: i64) -> f64 {
         (column as f64 + 0.5 - self.cell) - self.centre
     }
@@ -61,6 +61,7 @@ impl<'a> GaussianRow<'a> {
     /// The weights of the texels from column `first` on; all must be among [`columns`](Self::columns).
     ///
     /// For Gaussians of σ ≥ 2 texels this is vector code: half the time of one weight after the other.
+    #[inline(always)]
     pub fn fill(&self, first: i64, weights: &mut [f64]) {
         match &self.kind {
             Kind::Smooth(row) => row.fill(self.middle(first), weights),

@@ -32,6 +32,7 @@ pub(super) struct Smooth {
     /// `1 / l₂₂`.
     inverse_22: f64,
     /// The mean of y at x = 1.
+    #[cfg(test)]
     rise: f64,
     /// Diagonal and off-diagonal of `S⁻¹`: xx, yy, xy.
     precision: [f64; 3],
@@ -82,6 +83,7 @@ impl Smooth {
             inverse_11: 1.0 / root_yy,
             lean,
             inverse_22: root_yy / root,
+            #[cfg(test)]
             rise: xy / xx,
             precision: [yy / determinant, xx / determinant, -xy / determinant],
             peak: 1.0 / (2.0 * PI * root * count * count * (1.0 - LOST)),
@@ -124,12 +126,13 @@ impl Smooth {
     }
 
     /// The smoothed density at (`x`, `y`), without the fourth derivatives.
-    #[inline]
+    #[cfg(test)]
     pub fn density(&self, x: f64, y: f64) -> f64 {
         self.peak * exp_negative(0.5 * self.distance_squared(x, y))
     }
 
     /// Least and greatest [`density`](Self::density) over the square of half side `half` centred at (`x`, `y`).
+    #[cfg(test)]
     pub fn bounds(&self, x: f64, y: f64, half: f64) -> (f64, f64) {
         let [first, second] = self.unit(x, y);
         let [xx, yy, xy] = self.precision;
@@ -199,6 +202,7 @@ impl SmoothRow<'_> {
     }
 
     /// Weights of the texels at `x`, `x + 1`, …
+    #[inline(always)]
     pub fn fill(&self, x: f64, weights: &mut [f64]) {
         match self.smooth.parts {
             1 => self.fill_parts::<1>(x, weights),
@@ -207,13 +211,14 @@ impl SmoothRow<'_> {
         }
     }
 
+    #[inline(always)]
     fn fill_parts<const N: usize>(&self, x: f64, weights: &mut [f64]) {
         for (weight, place) in weights.iter_mut().zip(0_u32..) {
             *weight = self.sum_parts::<N>(x + f64::from(place));
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn sum_parts<const N: usize>(&self, x: f64) -> f64 {
         let step = 1.0 / N as f64;
         let mut sum = 0.0;
@@ -224,7 +229,8 @@ impl SmoothRow<'_> {
         }
         sum
     }
-    #[inline]
+
+    #[inline(always)]
     fn part(&self, row: &PartRow, x: f64) -> f64 {
         let smooth = self.smooth;
         let second = (x - row.mean) * smooth.inverse_22;

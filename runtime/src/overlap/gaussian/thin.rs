@@ -197,6 +197,25 @@ impl Thin {
     }
 }
 
+/// Rectangles under a Gaussian that need not be thin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rectangles(Thin);
+
+impl Rectangles {
+    pub(super) fn new(deviation: [f64; 2], covariance: f64, determinant_root: f64) -> Self {
+        Self(Thin::new(deviation, covariance, determinant_root))
+    }
+
+    /// The share of the Gaussian, nothing cut off, that lies between the columns `columns` and rows `rows`, in texels
+    /// from the centre; either may be without end.
+    pub fn share(&self, columns: [f64; 2], rows: [f64; 2]) -> f64 {
+        self.0.share(
+            &self.0.columns(columns[0], columns[1]),
+            &self.0.rows(rows[0], rows[1]),
+        )
+    }
+}
+
 fn independent(x: &Interval, y: &Interval) -> f64 {
     (x.below_high - x.below_low) * (y.below_high - y.below_low)
 }

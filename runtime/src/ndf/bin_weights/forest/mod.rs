@@ -10,6 +10,7 @@ use crate::overlap::{Outline, Parallelogram, Probe};
 use core::hint::black_box;
 use core::ops::Range;
 use glintbake_format::model::{ForestShape, Wrap};
+use glintbake_format::records::TexelPosition;
 use glintbake_format::view::{BinTables, InverseBinMap};
 use walk::Walk;
 
@@ -98,6 +99,20 @@ impl Lists {
         let unbounded = shape.wrap == Wrap::Clamp && !shape.holds(tile);
         let probe = Probe::new(tile, outline);
         Walk::new(tables, inverse, tile, probe, unbounded, sums).lists(self.as_slice())
+    }
+
+    /// The place and the texels of each list.
+    pub fn positions<'p>(
+        &self,
+        inverse: &InverseBinMap<'p>,
+    ) -> impl Iterator<Item = (u32, &'p [TexelPosition])> {
+        self.as_slice().iter().map(|list| {
+            let texels = list.start as usize..list.end as usize;
+            (
+                list.place,
+                inverse.positions.get(texels).unwrap_or_default(),
+            )
+        })
     }
 
     /// Counts every texel of the lists `times` times.

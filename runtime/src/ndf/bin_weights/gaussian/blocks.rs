@@ -1,0 +1,354 @@
+//! Weights from block lists: blocks and tiles that may stand for their texels by their numbers, the others opened.
+
+use super::Target;
+use super::forms::{Forms, exp_half};
+use super::texels::{add_block, rows};
+use crate::error::QueryError;
+use crate::ndf::bin_weights::block_lists::WindowLists;
+use crate::ndf::bin_weights::keys::StoredKey;
+use crate::ndf::bin_weights::scan::missing;
+use crate::overlap::{GaussianFootprint, TexelBox};
+use crate::scan::MapShape;
+use crate::simd::Work;
+use core::hint::black_box;
+use core::ops::Range;
+use glintbake_format::model::{BLOCK_SIDE, BLOCK_TEXELS, PAGE_SIDE, TILE_SIDE, Wrap, block_place};
+use glintbake_format::records::TileRecord;
+use glintbake_format::view::{BlockList, BlockLists, Keys};
+use zerocopy::little_endian::U16;
+
+/// Blocks or tiles weighed together, without a branch on where they lie.
+const TOGETHER: usize = 16;
+/// Lists longer than this are first cut down to the rows of tiles that the ellipse meets.
+const SEARCHED: usize = 32;
+/// Tiles in a row of a page, and in a column.
+const PAGE_TILES: u16 = (PAGE_SIDE / TILE_SIDE) as u16;
+const HALF_BLOCK: f64 = 0.5 * BLOCK_SIDE as f64;
+const HALF_TILE: f32 = (TILE_SIDE / 2 - BLOCK_SIDE / 2) as f32;
+
+/// Whether, on a map of `shape`, no tile meets `footprint` both from the left and from the right: then every block has
+/// but one copy in its row that counts.
+pub(super) fn folds(shape: MapShape, footprint: &GaussianFootprint) -> bool {
+    let TexelBox { low, high } = footprint.bounds();
+    let width = f64::from(shape.width) - 2.0 * f64::from(TILE_SIDE);
+    shape.wrap == Wrap::Repeat && high[0] - low[0] <= width
+}
+
+/// Adds the weights of all wanted texels of one tile of the map under `footprint` to the sums; with `fold`, of its
+/// whole row of tiles.
+pub(super) struct Traversal<'s, 't> {
+    pub target: &'s mut Target<'t>,
+    pub footprint: &'s GaussianFootprint,
+    pub forms: &'s Forms,
+    pub lists: &'s BlockLists<'s>,
+    pub fold: bool,
+}
+
+impl Work for Traversal<'_, '_> {
+    type Output = Result<(), QueryError>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Self {
+            target,
+            footprint,
+            forms,
+            lists,
+            fold,
+        } = self;
+        let period = if fold {
+            f64::from(target.tables.instance.width)
+        } else {
+            0.0
+        };
+        let bounds = footprint.bounds();
+        let columns = if fold {
+            0..lists.layout.columns
+        } else {
+            page_range(bounds.low[0], bounds.high[0], lists.layout.columns)
+        };
+        for page_row in page_range(bounds.low[1], bounds.high[1], lists.layout.rows) {
+            for page_column in columns.clone() {
+                let corner = [page_column, page_row].map(|place| place * PAGE_SIDE);
+                let [left, top] = corner.map(f64::from);
+                let origin = footprint.centred(left + HALF_BLOCK, top + HALF_BLOCK);
+                let mut page = Page {
+                    forms,
+                    footprint,
+                    corner,
+                    origin: origin.map(|coordinate| coordinate as f32),
+                    period: period as f32,
+                    frequency: if fold { (1.0 / period) as f32 } else { 0.0 },
+                    tile_rows: tile_rows(&footprint.rows(), corner[1]),
+                    opened: Opened::new(),
+                };
+                let number = page_row * lists.layout.columns + page_column;
+                let mut window = WindowLists::new(lists, number, target.runs)?;
+                while let Some((place, list)) = window.next()? {
+                    let weight = page.weigh_list(&list);
+                    target.sums.add(place, weight);
+                }
+                page.add_opened(target, fold)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The pages, of `count` in a row, that hold texels from `low` to `high`.
+fn page_range(low: f64, high: f64, count: u32) -> Range<u32> {
+    let page = |texel: f64| libm::floor(texel / f64::from(PAGE_SIDE));
+    let last = f64::from(count) - 1.0;
+    if high < 0.0 || page(low) > last {
+        return 0..0;
+    }
+    page(low).max(0.0) as u32..page(high).min(last) as u32 + 1
+}
+
+/// The rows of tiles, of the page that begins at row `top`, that hold any of `rows` of texels.
+fn tile_rows(rows: &Range<i64>, top: u32) -> Range<u16> {
+    let place = |row: i64| (row - i64::from(top)).clamp(0, i64::from(PAGE_SIDE)) as u32;
+    (place(rows.start) / TILE_SIDE) as u16..place(rows.end).div_ceil(TILE_SIDE) as u16
+}
+
+/// A page of the map under a Gaussian.
+struct Page<'a> {
+    forms: &'a Forms,
+    footprint: &'a GaussianFootprint,
+    /// Its first texel.
+    corner: [u32; 2],
+    /// The centre of its first block, relative to the Gaussian's.
+    origin: [f32; 2],
+    /// The map's width if columns repeat, and its inverse; else zeros.
+    period: f32,
+    frequency: f32,
+    /// The rows of tiles that may hold weight.
+    tile_rows: Range<u16>,
+    opened: Opened,
+}
+
+impl Page<'_> {
+    /// The weight of those tiles and blocks of `list` that stand for their texels; opens the others.
+    #[inline(always)]
+    fn weigh_list(&mut self, list: &BlockList<'_>) -> f64 {
+        let mut blocks = [0.0; TOGETHER];
+        let mut tiles = 0.0;
+        if list.tiles.is_empty() {
+            let range = self.rows_of(list.blocks, |name| name.get() / BLOCK_TEXELS as u16);
+            self.blocks(list, range, &mut blocks);
+        } else {
+            tiles = self.tiles(list, &mut blocks);
+        }
+        let blocks: f64 = blocks.into_iter().map(f64::from).sum();
+        self.forms.block.peak * blocks + self.forms.tile.peak * tiles
+    }
+
+    /// The part of `records`, in rising order of their tiles, in the rows of tiles that may hold weight.
+    #[inline(always)]
+    fn rows_of<T>(&self, records: &[T], tile: impl Fn(&T) -> u16) -> Range<usize> {
+        if records.len() <= SEARCHED {
+            return 0..records.len();
+        }
+        let before = |row: u16| records.partition_point(|record| tile(record) / PAGE_TILES < row);
+        let start = before(self.tile_rows.start);
+        start..before(self.tile_rows.end).max(start)
+    }
+
+    /// `x`, less as many periods as bring it next to zero.
+    #[inline(always)]
+    fn fold(&self, x: f32) -> f32 {
+        /// 1.5 · 2²³: adding it rounds to a whole number.
+        const WHOLE: f32 = 12_582_912.0;
+        let periods = (x * self.frequency + WHOLE) - WHOLE;
+        x - periods * self.period
+    }
+
+    /// The tiles of `list` that stand for their texels, in units of the peak; adds the blocks of the others to `blocks`.
+    #[inline(always)]
+    fn tiles(&mut self, list: &BlockList<'_>, blocks: &mut [f32; TOGETHER]) -> f64 {
+        let range = self.rows_of(list.tiles, |tile| tile.tile.get());
+        let records = list.tiles.get(range.clone()).unwrap_or_default();
+        let mut sums = [0.0_f32; TOGETHER];
+        for (chunk, first) in records.chunks(TOGETHER).zip(range.step_by(TOGETHER)) {
+            let opened = self.few_tiles(chunk, &mut sums);
+            if opened == [false; TOGETHER] {
+                continue;
+            }
+            // Each tile's blocks are in cache lines of their own: fetches them all at once.
+            for (number, _) in (first..).zip(opened).filter(|(_, opened)| *opened) {
+                let range = list.tile(number);
+                black_box((
+                    list.blocks.get(range.start).copied(),
+                    list.counts.get(range.start).copied(),
+                ));
+            }
+            for (number, opened) in (first..).zip(opened) {
+                if opened {
+                    self.blocks(list, list.tile(number), blocks);
+                }
+            }
+        }
+        sums.into_iter().map(f64::from).sum()
+    }
+
+    /// Adds those of a few tiles that stand for their texels to `sums`, and tells which are to be opened.
+    #[inline(always)]
+    fn few_tiles(&self, tiles: &[TileRecord], sums: &mut [f32; TOGETHER]) -> [bool; TOGETHER] {
+        let rule = self.forms.tile_rule;
+        let mut opened = [false; TOGETHER];
+        for ((record, sum), opened) in tiles.iter().zip(sums).zip(&mut opened) {
+            let tile = record.tile.get();
+            let x = f32::from(tile % PAGE_TILES) * TILE_SIDE as f32 + HALF_TILE + self.origin[0];
+            let y = f32::from(tile / PAGE_TILES) * TILE_SIDE as f32 + HALF_TILE + self.origin[1];
+            let x = self.fold(x);
+            let distance = self.forms.block.distance_squared(x, y);
+            let weight = exp_half(self.forms.tile.distance_squared(x, y));
+            let meets = distance <= rule.end;
+            let accepted = rule.accepts(distance);
+            *sum += if meets & accepted {
+                f32::from(record.texels.get()) * weight
+            } else {
+                0.0
+            };
+            *opened = meets & !accepted;
+        }
+        opened
+    }
+
+    /// Adds those blocks in `range` of `list` that stand for their texels to `sums`; opens the others.
+    #[inline(always)]
+    fn blocks(&mut self, list: &BlockList<'_>, range: Range<usize>, sums: &mut [f32; TOGETHER]) {
+        let mut at = range.start;
+        while at < range.end {
+            let wanted = (range.end - at).min(TOGETHER);
+            let (Some(names), Some(counts)) = (list.blocks.get(at..), list.counts.get(at..)) else {
+                break;
+            };
+            // What follows within the list may be read along, it is not counted.
+            match (names.first_chunk(), counts.first_chunk()) {
+                (Some(names), Some(counts)) => self.few_blocks(names, counts, wanted, sums),
+                _ => {
+                    let mut last_names = [U16::ZERO; TOGETHER];
+                    let mut last_counts = [0; TOGETHER];
+                    for (slot, name) in last_names.iter_mut().zip(names) {
+                        *slot = *name;
+                    }
+                    for (slot, count) in last_counts.iter_mut().zip(counts) {
+                        *slot = *count;
+                    }
+                    self.few_blocks(&last_names, &last_counts, wanted, sums);
+                }
+            }
+            at += TOGETHER;
+        }
+    }
+
+    /// [`blocks`](Self::blocks) for the first `wanted` of a few.
+    #[inline(always)]
+    fn few_blocks(
+        &mut self,
+        names: &[U16; TOGETHER],
+        counts: &[u8; TOGETHER],
+        wanted: usize,
+        sums: &mut [f32; TOGETHER],
+    ) {
+        let rule = self.forms.block_rule;
+        let mut opened = [false; TOGETHER];
+        let mut any = false;
+        for (place, (((name, &count), sum), opened)) in
+            (0_u8..).zip(names.iter().zip(counts).zip(sums).zip(&mut opened))
+        {
+            let (column, row) = block_place(name.get());
+            let x = self.fold((column * BLOCK_SIDE) as f32 + self.origin[0]);
+            let y = (row * BLOCK_SIDE) as f32 + self.origin[1];
+            let distance = self.forms.block.distance_squared(x, y);
+            let meets = (distance <= rule.end) & (place < wanted as u8);
+            let accepted = rule.accepts(distance);
+            *sum += if meets & accepted {
+                f32::from(count) * exp_half(distance)
+            } else {
+                0.0
+            };
+            *opened = meets & !accepted;
+            any |= *opened;
+        }
+        if any {
+            for (name, opened) in names.iter().zip(opened) {
+                if opened {
+                    self.opened.add(name.get());
+                }
+            }
+        }
+    }
+
+    /// Adds the texels of the opened blocks.
+    #[inline(always)]
+    fn add_opened(&self, target: &mut Target<'_>, fold: bool) -> Result<(), QueryError> {
+        match target.tables.bin_map.keys {
+            Keys::Narrow(keys) => self.add_opened_of(keys, target, fold),
+            Keys::Wide(keys) => self.add_opened_of(keys, target, fold),
+        }
+    }
+
+    #[inline(always)]
+    fn add_opened_of<K: StoredKey>(
+        &self,
+        keys: &[K],
+        target: &mut Target<'_>,
+        fold: bool,
+    ) -> Result<(), QueryError> {
+        let layout = target.tables.bin_map.layout;
+        let width = f64::from(target.tables.instance.width);
+        let evenly = self.footprint.is_smooth();
+        let mut space = [K::default(); BLOCK_TEXELS];
+        for tile_row in self.tile_rows.clone() {
+            let tiles = self.opened.row(tile_row);
+            let all = tiles.iter().fold(0, |all, tile| all | tile);
+            for within in (0..8).filter(|within| (all >> (8 * within)) & 0xFF != 0) {
+                let row = u32::from(tile_row) * 8 + within + self.corner[1] / BLOCK_SIDE;
+                let rows = rows(self.footprint, i64::from(row * BLOCK_SIDE));
+                for (tile, first) in tiles.iter().zip((0_u32..).step_by(8)) {
+                    let mut left = (tile >> (8 * within)) & 0xFF;
+                    while left != 0 {
+                        let column = first + left.trailing_zeros() + self.corner[0] / BLOCK_SIDE;
+                        left &= left - 1;
+                        let block = layout
+                            .block(keys, column, row, &mut space)
+                            .ok_or(missing(target.tables))?;
+                        let mut texel = i64::from(column * BLOCK_SIDE);
+                        if fold {
+                            let [x, _] = self.footprint.centred(texel as f64 + HALF_BLOCK, 0.0);
+                            texel -= (libm::rint(x / width) * width) as i64;
+                        }
+                        add_block(target, &rows, block, [column, row], texel, evenly);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A set of blocks of a page: one word a tile, a block's name over 64 being its tile's number.
+struct Opened([u64; (PAGE_TILES * PAGE_TILES) as usize]);
+
+impl Opened {
+    const fn new() -> Self {
+        Self([0; (PAGE_TILES * PAGE_TILES) as usize])
+    }
+
+    #[inline(always)]
+    fn add(&mut self, name: u16) {
+        if let Some(word) = self.0.get_mut(usize::from(name >> 6)) {
+            *word |= 1 << (name & 63);
+        }
+    }
+
+    /// The tiles in row `row` of tiles.
+    fn row(&self, row: u16) -> &[u64] {
+        let first = usize::from(row * PAGE_TILES);
+        self.0
+            .get(first..first + usize::from(PAGE_TILES))
+            .unwrap_or_default()
+    }
+}

@@ -1,0 +1,214 @@
+//! The Gaussian over blocks and tiles: its average over a square, and which squares may stand for their texels.
+
+use crate::overlap::{GaussianFootprint, LOST, RADIUS};
+use core::f64::consts::{LOG2_E, PI, SQRT_2};
+use glintbake_format::model::{BLOCK_SIDE, TILE_SIDE};
+
+/// Squares larger than this against the Gaussian, half diagonal over least deviation, never stand for their texels: the
+/// average at their centre would no longer say what they hold.
+const LARGEST: f64 = 1.0;
+/// Halvings that find where squares may stand for their texels: to a thousandth of a deviation.
+const HALVINGS: usize = 13;
+/// Slack of every comparison in single precision, in standard deviations.
+const SLACK: f64 = 2e-3;
+/// Rounding of a square's distance in single precision, relative to its coordinates.
+const ROUNDING: f64 = 3e-7;
+
+/// The Gaussian averaged over squares of one size: that of covariance `Σ + side²/12 I`, but for fourth derivatives.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Form {
+    inverse_11: f32,
+    lean: f32,
+    inverse_22: f32,
+    /// Average weight of a texel of the square at the centre.
+    pub peak: f64,
+}
+
+impl Form {
+    fn new(footprint: &GaussianFootprint, side: f64) -> Self {
+        let [xx, yy, xy] = footprint.covariance();
+        let root = footprint.determinant_root();
+        let added = side * side / 12.0;
+        // A sum of what is not negative: nothing cancels, however thin the Gaussian is.
+        let determinant = root * root + added * (xx + yy) + added * added;
+        let (root, yy) = (libm::sqrt(determinant), yy + added);
+        let root_yy = libm::sqrt(yy);
+        Self {
+            inverse_11: (1.0 / root_yy) as f32,
+            lean: (xy / yy) as f32,
+            inverse_22: (root_yy / root) as f32,
+            peak: 1.0 / (2.0 * PI * root * (1.0 - LOST)),
+        }
+    }
+
+    /// Square of the distance of (`x`, `y`) from the centre, in standard deviations.
+    #[inline(always)]
+    pub fn distance_squared(&self, x: f32, y: f32) -> f32 {
+        let first = y * self.inverse_11;
+        let second = (x - self.lean * y) * self.inverse_22;
+        first * first + second * second
+    }
+}
+
+/// `e^(-q/2)` within 3e-6 of its value for q in [0, 240], and as at 240 beyond.
+#[inline(always)]
+pub(super) fn exp_half(q: f32) -> f32 {
+    /// 1.5 · 2²³: adding it rounds to a whole number, which is then in the low bits.
+    const WHOLE: f32 = 12_582_912.0;
+    let y = q.min(240.0) * (-0.5 * LOG2_E) as f32;
+    let shifted = y + WHOLE;
+    let rest = y - (shifted - WHOLE);
+    let power = f32::from_bits(shifted.to_bits().wrapping_add(127) << 23);
+    // The series of 2^rest, in [-1/2, 1/2].
+    let square = rest * rest;
+    let low = (1.0 + core::f32::consts::LN_2 * rest) + square * (0.240_226_5 + 0.055_504_11 * rest);
+    let high = 0.009_618_13 + 0.001_333_36 * rest;
+    (low + (square * square) * high) * power
+}
+
+/// Which squares of one size may stand for their texels, by their centre's squared distance in the form of blocks, and
+/// which meet the ellipse at all.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rule {
+    /// Up to this, and from `far` on, the square stands for its texels.
+    pub near: f32,
+    pub far: f32,
+    /// Beyond this the square does not meet the ellipse.
+    pub end: f32,
+}
+
+impl Rule {
+    /// Whether a square at squared distance `q` may stand for its texels.
+    #[inline(always)]
+    pub fn accepts(&self, q: f32) -> bool {
+        (q <= self.near) | (q >= self.far)
+    }
+}
+
+/// Forms and rules of blocks and tiles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Forms {
+    pub block: Form,
+    pub tile: Form,
+    pub block_rule: Rule,
+    pub tile_rule: Rule,
+}
+
+impl Forms {
+    /// Those of `footprint` under `tolerance`, for squares up to `reach` texels from the centre on either axis.
+    ///
+    /// A square may stand for its texels if the Gaussian, in units of its peak, ranges over it by at most the tolerance;
+    /// less if the square has more texels than the Gaussian's own area `2π √det Σ`, in proportion. Blocks of an accepted
+    /// tile are always accepted, so that whoever opens a block knows that no list has counted it within a tile.
+    pub fn new(footprint: &GaussianFootprint, tolerance: f64, reach: f64) -> Self {
+        let block = Form::new(footprint, f64::from(BLOCK_SIDE));
+        let tile = Form::new(footprint, f64::from(TILE_SIDE));
+        let least = footprint.least_deviation();
+        let block_side = f64::from(BLOCK_SIDE);
+        let deviation = libm::sqrt(least * least + block_side * block_side / 12.0);
+        let half_diagonal = |side: u32| f64::from(side) / SQRT_2 / deviation;
+        let (of_block, of_tile) = (half_diagonal(BLOCK_SIDE), half_diagonal(TILE_SIDE));
+        let spread = f64::from(block.inverse_22) * (1.0 + f64::from(block.lean).abs());
+        let slack = SLACK + ROUNDING * reach * (spread + f64::from(block.inverse_11));
+        let tolerance_of = |side: u32| {
+            let share = f64::from(side * side) / (2.0 * PI * footprint.determinant_root());
+            if footprint.is_smooth() {
+                tolerance / share.max(1.0)
+            } else {
+                0.0
+            }
+        };
+        let accepted = accepted(of_block, tolerance_of(BLOCK_SIDE));
+        let [near, far] = match accepted {
+            Accepted::All => [f64::INFINITY, f64::INFINITY],
+            Accepted::Beyond { near, far } => [near + slack, far - slack],
+            Accepted::None => [-1.0, f64::INFINITY],
+        };
+        let apart = of_tile - of_block;
+        let [tile_near, tile_far] =
+            match (accepted, self::accepted(of_tile, tolerance_of(TILE_SIDE))) {
+                (Accepted::None, _) | (_, Accepted::None) => [-1.0, f64::INFINITY],
+                (Accepted::All, Accepted::All) => [f64::INFINITY, f64::INFINITY],
+                (Accepted::All, Accepted::Beyond { near, far }) => [near, far],
+                (
+                    Accepted::Beyond { near, far },
+                    Accepted::Beyond {
+                        near: inner,
+                        far: outer,
+                    },
+                ) => [inner.min(near - apart), outer.max(far + apart)],
+                // Cannot be: a block ranges over less than its tile.
+                (Accepted::Beyond { far, .. }, Accepted::All) => [-1.0, far + apart],
+            };
+        let square = |distance: f64| {
+            if distance < 0.0 {
+                -1.0
+            } else {
+                (distance * distance) as f32
+            }
+        };
+        let end = |half: f64| square((RADIUS + half) * (1.0 + 1e-6) + slack);
+        Self {
+            block,
+            tile,
+            block_rule: Rule {
+                near: square(near),
+                far: square(far),
+                end: end(of_block),
+            },
+            tile_rule: Rule {
+                near: square(tile_near),
+                far: square(tile_far),
+                end: end(of_tile),
+            },
+        }
+    }
+}
+
+/// Distances, in standard deviations, of the squares that may stand for their texels.
+#[derive(Clone, Copy, Debug)]
+enum Accepted {
+    All,
+    /// Up to `near`, if that is not negative, and from `far` on.
+    Beyond {
+        near: f64,
+        far: f64,
+    },
+    None,
+}
+
+/// Where squares of the half diagonal `half`, in standard deviations, range over at most `tolerance`.
+fn accepted(half: f64, tolerance: f64) -> Accepted {
+    if tolerance <= 0.0 || half > LARGEST {
+        return Accepted::None;
+    }
+    let gaussian = |distance: f64| libm::exp(-0.5 * distance * distance);
+    // The Gaussian is nowhere steeper than e^(-1/2).
+    if 2.0 * half * gaussian(1.0) <= tolerance {
+        return Accepted::All;
+    }
+    let fits = |distance: f64| {
+        gaussian((distance - half).max(0.0)) - gaussian(distance + half) <= tolerance
+    };
+    // The range rises up to a distance of 1 at least, and falls from 1 + half on.
+    let (mut near, mut not_near) = (0.0, 1.0);
+    let (mut not_far, mut far) = (1.0 + half, RADIUS + 4.0 * LARGEST);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (near + not_near);
+        if fits(middle) {
+            near = middle;
+        } else {
+            not_near = middle;
+        }
+        let middle = 0.5 * (not_far + far);
+        if fits(middle) {
+            far = middle;
+        } else {
+            not_far = middle;
+        }
+    }
+    Accepted::Beyond {
+        near: if fits(near) { near } else { -1.0 },
+        far: if fits(far) { far } else { f64::INFINITY },
+    }
+}

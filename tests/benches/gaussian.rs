@@ -1,0 +1,90 @@
+//! Gaussian footprints against boxes of the same edges, and what the default tolerance costs in accuracy, in one run.
+//!
+//! `cargo bench -p glintbake-tests --bench gaussian`. 2048² maps at α = 0.01; square footprints at random angles and
+//! places, half vectors drawn from the footprint; D over 45 bins, both filters asked the same new queries in turn.
+//! Times are medians over rounds; the error is Σ|D − D*| / ΣD* over all queries, D* being that of tolerance 0.
+
+use glintbake_format::model::{Filter, Footprint, HalfVector, Wrap};
+use glintbake_runtime::{Ndf, Package, SurfaceNdf};
+use glintbake_samples::Kind;
+use glintbake_tests::fixtures::{Stream, flake_package, sample_map};
+use std::f64::consts::TAU;
+use std::time::Instant;
+
+const ALPHA: f64 = 0.01;
+const SIDE: u32 = 2048;
+const EDGES: [f64; 6] = [4.0, 16.0, 64.0, 128.0, 256.0, 1024.0];
+const KINDS: [(&str, Kind); 4] = [
+    ("flakes", Kind::Flakes),
+    ("waves", Kind::Waves),
+    ("scratches", Kind::Scratches),
+    ("brushed", Kind::Brushed),
+];
+const ROUNDS: usize = 7;
+const QUERIES: usize = 64;
+
+fn main() {
+    println!(
+        "{:<10} {:>6} {:>9} {:>9} {:>7} {:>9} {:>9}",
+        "map", "edge", "box µs", "gauss µs", "ratio", "exact µs", "rel. L1"
+    );
+    for (name, kind) in KINDS {
+        let map = sample_map(kind, SIDE, SIDE, 7, Wrap::Repeat);
+        let bytes = flake_package(&map, &[ALPHA]);
+        let package = Package::open(&bytes).expect("a fresh package opens");
+        let boxed = package.ndf(1).expect("it has one instance");
+        let gaussian = boxed.with_filter(Filter::Gaussian);
+        let contestants = [boxed, gaussian, gaussian.with_tolerance(0.0)];
+        let mut stream = Stream::new(3);
+        for edge in EDGES {
+            let mut times = [const { Vec::new() }; 3];
+            let (mut difference, mut total) = (0.0, 0.0);
+            for round in 0..=ROUNDS {
+                let queries: Vec<_> = (0..QUERIES)
+                    .map(|_| {
+                        let angle = stream.between(0.0, TAU);
+                        let length = edge / f64::from(SIDE);
+                        let footprint = Footprint {
+                            centre: [stream.uniform(), stream.uniform()],
+                            edge_1: [length * angle.cos(), length * angle.sin()],
+                            edge_2: [-length * angle.sin(), length * angle.cos()],
+                        };
+                        let h = stream.half_vector_near(&map, &footprint, 0.3 * ALPHA);
+                        (footprint, h)
+                    })
+                    .collect();
+                let mut answers = [const { Vec::new() }; 3];
+                for turn in 0..contestants.len() {
+                    let who = (turn + round) % contestants.len();
+                    let start = Instant::now();
+                    answers[who] = densities(&contestants[who], &queries);
+                    // The first round only warms up.
+                    if round > 0 {
+                        times[who].push(start.elapsed().as_secs_f64() * 1e6 / QUERIES as f64);
+                    }
+                }
+                let [_, fast, exact] = answers;
+                for (fast, exact) in fast.iter().zip(&exact) {
+                    difference += (fast - exact).abs();
+                    total += exact;
+                }
+            }
+            let [boxed, gaussian, exact] = times.map(|mut times| {
+                times.sort_by(f64::total_cmp);
+                times[times.len() / 2]
+            });
+            println!(
+                "{name:<10} {edge:>6} {boxed:>9.2} {gaussian:>9.2} {:>7.2} {exact:>9.2} {:>8.3}%",
+                gaussian / boxed,
+                100.0 * difference / total
+            );
+        }
+    }
+}
+
+fn densities(ndf: &SurfaceNdf<'_>, queries: &[(Footprint, HalfVector)]) -> Vec<f64> {
+    queries
+        .iter()
+        .map(|(footprint, h)| ndf.eval(footprint, *h).expect("in range"))
+        .collect()
+}
