@@ -190,21 +190,40 @@ fn what_was_not_baked_is_answered_with_what_was() {
         &["--exact"],
         &["no section EXNM", "bake it with --exact-normals"],
     );
-    refuses(
-        &["--filter=gaussian"],
-        &[
-            "flake-bins does not answer for gaussian footprints",
-            "use the box filter",
-        ],
-    );
-    refuses(
-        &["--filter=gaussian", "--method=specular-bins"],
-        &["specular-bins does not answer for gaussian footprints"],
-    );
     for setting in ["--exact", "--paper"] {
         refuses(
             &["--method=specular-bins", setting],
             &["specular-bins has no such setting", "leave it out"],
+        );
+    }
+}
+
+#[test]
+fn a_tolerance_needs_a_gaussian_and_lies_between_0_and_1() {
+    let workshop = Workshop::with_package();
+    let query = ["query", "map.glint", "--queries=q.csv"];
+    workshop.write(
+        "q.csv",
+        "u,v,e1u,e1v,e2u,e2v,s,t\n0.5,0.5,0.1,0,0,0.1,0,0\n",
+    );
+    workshop.refuses(
+        2,
+        &[&query[..], &["--tolerance=0.1"]].concat(),
+        &[
+            "--tolerance: only Gaussian footprints have one",
+            "--filter gaussian",
+        ],
+    );
+    for wrong in [
+        "--tolerance=-1",
+        "--tolerance=nan",
+        "--tolerance=1.5",
+        "--tolerance=x",
+    ] {
+        workshop.refuses(
+            2,
+            &[&query[..], &["--filter=gaussian", wrong]].concat(),
+            &["it must be a number from 0 to 1"],
         );
     }
 }

@@ -3,8 +3,8 @@
 use crate::workshop::Workshop;
 use glintbake_bake::image::{self, ReadOptions};
 use glintbake_bake::normals::{self, DecodeOptions, NormalMap};
-use glintbake_bake::oracle::{flake_bins, specular_bins};
-use glintbake_format::model::{Footprint, HalfVector, Neighbourhood};
+use glintbake_bake::oracle::{self, flake_bins, specular_bins};
+use glintbake_format::model::{Filter, Footprint, HalfVector, Neighbourhood};
 
 /// Relative error the densities are promised to keep to.
 const TOLERANCE: f64 = 1e-5;
@@ -86,6 +86,34 @@ fn compare(found: &[f64], expected: &[f64], tolerance: f64, what: &str) {
             (found - expected).abs() <= tolerance * expected + floor,
             "{what}, row {row}: {found} instead of {expected}"
         );
+    }
+}
+
+#[test]
+fn densities_are_the_oracles_under_gaussian_footprints() {
+    let workshop = workshop();
+    let map = oracle_map(&workshop);
+    let setting = flake_bins::Setting::Binned(Neighbourhood::Bins45);
+    let expected: Vec<f64> = QUERIES
+        .into_iter()
+        .map(|query| {
+            let texels = oracle::texel_weights(&map, &footprint(query), Filter::Gaussian);
+            flake_bins::Prepared::from_weights(&map, &texels, 0.2, setting).ndf(half_vector(query))
+        })
+        .collect();
+    let query = ["query", "map.glint", "--queries=q.csv", "--filter=gaussian"];
+    for (options, said_of_it) in [
+        (
+            &["--tolerance=0"][..],
+            "filter=gaussian tolerance=0 roughness=0.2",
+        ),
+        (&[], "filter=gaussian tolerance=0.125 roughness=0.2"),
+    ] {
+        let said = workshop.succeeds(&[&query[..], options].concat());
+        let comment = said.lines().next().expect("a line");
+        assert!(comment.contains(said_of_it), "{comment}");
+        let tolerance = if options.is_empty() { 0.05 } else { 1e-4 };
+        compare(&answers(&said), &expected, tolerance, said_of_it);
     }
 }
 

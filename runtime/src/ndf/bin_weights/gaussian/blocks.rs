@@ -2,10 +2,11 @@
 
 use super::Target;
 use super::forms::{Forms, exp_half};
-use super::texels::{add_block, rows};
+use super::texels::{add_block, for_each_copy, rows};
 use crate::error::QueryError;
 use crate::ndf::bin_weights::block_lists::WindowLists;
 use crate::ndf::bin_weights::keys::StoredKey;
+use crate::ndf::bin_weights::map_shape;
 use crate::ndf::bin_weights::scan::missing;
 use crate::overlap::{GaussianFootprint, TexelBox};
 use crate::scan::MapShape;
@@ -13,8 +14,7 @@ use crate::simd::Work;
 use core::hint::black_box;
 use core::ops::Range;
 use glintbake_format::model::{BLOCK_SIDE, BLOCK_TEXELS, PAGE_SIDE, TILE_SIDE, Wrap, block_place};
-use glintbake_format::records::TileRecord;
-use glintbake_format::view::{BlockList, BlockLists, Keys};
+use glintbake_format::view::{BinTables, BlockList, BlockLists, Keys};
 use zerocopy::little_endian::U16;
 
 /// Blocks or tiles weighed together, without a branch on where they lie.
@@ -23,6 +23,8 @@ const TOGETHER: usize = 16;
 const SEARCHED: usize = 32;
 /// Tiles in a row of a page, and in a column.
 const PAGE_TILES: u16 = (PAGE_SIDE / TILE_SIDE) as u16;
+/// The same, as a length.
+const ROW: usize = PAGE_TILES as usize;
 const HALF_BLOCK: f64 = 0.5 * BLOCK_SIDE as f64;
 const HALF_TILE: f32 = (TILE_SIDE / 2 - BLOCK_SIDE / 2) as f32;
 
@@ -56,11 +58,6 @@ impl Work for Traversal<'_, '_> {
             lists,
             fold,
         } = self;
-        let period = if fold {
-            f64::from(target.tables.instance.width)
-        } else {
-            0.0
-        };
         let bounds = footprint.bounds();
         let columns = if fold {
             0..lists.layout.columns
@@ -70,18 +67,8 @@ impl Work for Traversal<'_, '_> {
         for page_row in page_range(bounds.low[1], bounds.high[1], lists.layout.rows) {
             for page_column in columns.clone() {
                 let corner = [page_column, page_row].map(|place| place * PAGE_SIDE);
-                let [left, top] = corner.map(f64::from);
-                let origin = footprint.centred(left + HALF_BLOCK, top + HALF_BLOCK);
-                let mut page = Page {
-                    forms,
-                    footprint,
-                    corner,
-                    origin: origin.map(|coordinate| coordinate as f32),
-                    period: period as f32,
-                    frequency: if fold { (1.0 / period) as f32 } else { 0.0 },
-                    tile_rows: tile_rows(&footprint.rows(), corner[1]),
-                    opened: Opened::new(),
-                };
+                let mut page = Page::new(target.tables, forms, footprint, corner, fold);
+                page.weigh_tiles();
                 let number = page_row * lists.layout.columns + page_column;
                 let mut window = WindowLists::new(lists, number, target.runs)?;
                 while let Some((place, list)) = window.next()? {
@@ -89,6 +76,75 @@ impl Work for Traversal<'_, '_> {
                     target.sums.add(place, weight);
                 }
                 page.add_opened(target, fold)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Adds the weights of all wanted texels of the map under `footprint`, all tiles of which stand for their texels, to the
+/// sums: all copies of a tile are weighed together, and lists are walked but once.
+pub(super) struct WideTraversal<'s, 't> {
+    pub target: &'s mut Target<'t>,
+    pub footprint: &'s GaussianFootprint,
+    pub forms: &'s Forms,
+    pub lists: &'s BlockLists<'s>,
+}
+
+impl Work for WideTraversal<'_, '_> {
+    type Output = Result<(), QueryError>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Self {
+            target,
+            footprint,
+            forms,
+            lists,
+        } = self;
+        let shape = map_shape(target.tables);
+        let fold = folds(shape, footprint);
+        for number in 0..lists.layout.count() {
+            let corner = [number % lists.layout.columns, number / lists.layout.columns]
+                .map(|place| place * PAGE_SIDE);
+            let mut all = Tiles::new();
+            let mut meets = false;
+            for_each_copy(shape, footprint, fold, &mut |footprint| {
+                let mut page = Page::new(target.tables, forms, footprint, corner, fold);
+                page.weigh_tiles();
+                meets |= !page.tile_rows.is_empty();
+                for row in page.tile_rows.clone() {
+                    if let Some(weights) = page.tiles.weights.get(usize::from(row)) {
+                        all.add_row(row, weights, &[false; ROW]);
+                    }
+                }
+                Ok(())
+            })?;
+            if !meets {
+                continue;
+            }
+            let mut window = WindowLists::new(lists, number, target.runs)?;
+            while let Some((place, list)) = window.next()? {
+                // In several sums, for one would wait for itself.
+                let mut sums = [0.0_f32; TOGETHER];
+                if list.tiles.is_empty() {
+                    let chunks = list.blocks.chunks(TOGETHER);
+                    for (names, counts) in chunks.zip(list.counts.chunks(TOGETHER)) {
+                        for ((name, &count), sum) in names.iter().zip(counts).zip(&mut sums) {
+                            let (weight, _) = all.get(name.get() / BLOCK_TEXELS as u16);
+                            *sum += f32::from(count) * weight;
+                        }
+                    }
+                } else {
+                    for records in list.tiles.chunks(TOGETHER) {
+                        for (record, sum) in records.iter().zip(&mut sums) {
+                            let (weight, _) = all.get(record.tile.get());
+                            *sum += f32::from(record.texels.get()) * weight;
+                        }
+                    }
+                }
+                let sum: f64 = sums.into_iter().map(f64::from).sum();
+                target.sums.add(place, forms.tile.peak * sum);
             }
         }
         Ok(())
@@ -124,7 +180,40 @@ struct Page<'a> {
     frequency: f32,
     /// The rows of tiles that may hold weight.
     tile_rows: Range<u16>,
+    tiles: Tiles,
     opened: Opened,
+}
+
+impl<'a> Page<'a> {
+    /// The page of a map that begins at texel `corner`; with `fold`, columns repeat.
+    #[inline(always)]
+    fn new(
+        tables: &BinTables<'_>,
+        forms: &'a Forms,
+        footprint: &'a GaussianFootprint,
+        corner: [u32; 2],
+        fold: bool,
+    ) -> Self {
+        let width = f64::from(tables.instance.width);
+        let [left, top] = corner.map(f64::from);
+        let origin = footprint.centred(left + HALF_BLOCK, top + HALF_BLOCK);
+        let (period, frequency) = if fold {
+            (width, 1.0 / width)
+        } else {
+            (0.0, 0.0)
+        };
+        Self {
+            forms,
+            footprint,
+            corner,
+            origin: origin.map(|coordinate| coordinate as f32),
+            period: period as f32,
+            frequency: frequency as f32,
+            tile_rows: tile_rows(&footprint.rows(), corner[1]),
+            tiles: Tiles::new(),
+            opened: Opened::new(),
+        }
+    }
 }
 
 impl Page<'_> {
@@ -168,10 +257,17 @@ impl Page<'_> {
     fn tiles(&mut self, list: &BlockList<'_>, blocks: &mut [f32; TOGETHER]) -> f64 {
         let range = self.rows_of(list.tiles, |tile| tile.tile.get());
         let records = list.tiles.get(range.clone()).unwrap_or_default();
-        let mut sums = [0.0_f32; TOGETHER];
+        let mut sum = 0.0;
         for (chunk, first) in records.chunks(TOGETHER).zip(range.step_by(TOGETHER)) {
-            let opened = self.few_tiles(chunk, &mut sums);
-            if opened == [false; TOGETHER] {
+            let mut opened = [false; TOGETHER];
+            let mut any = false;
+            for (record, opened) in chunk.iter().zip(&mut opened) {
+                let (weight, is_opened) = self.tiles.get(record.tile.get());
+                sum += f64::from(record.texels.get()) * f64::from(weight);
+                *opened = is_opened;
+                any |= is_opened;
+            }
+            if !any {
                 continue;
             }
             // Each tile's blocks are in cache lines of their own: fetches them all at once.
@@ -188,31 +284,28 @@ impl Page<'_> {
                 }
             }
         }
-        sums.into_iter().map(f64::from).sum()
+        sum
     }
 
-    /// Adds those of a few tiles that stand for their texels to `sums`, and tells which are to be opened.
+    /// Weighs the tiles in the rows that may hold weight: those that stand for their texels, and which are to be opened.
     #[inline(always)]
-    fn few_tiles(&self, tiles: &[TileRecord], sums: &mut [f32; TOGETHER]) -> [bool; TOGETHER] {
+    fn weigh_tiles(&mut self) {
         let rule = self.forms.tile_rule;
-        let mut opened = [false; TOGETHER];
-        for ((record, sum), opened) in tiles.iter().zip(sums).zip(&mut opened) {
-            let tile = record.tile.get();
-            let x = f32::from(tile % PAGE_TILES) * TILE_SIDE as f32 + HALF_TILE + self.origin[0];
-            let y = f32::from(tile / PAGE_TILES) * TILE_SIDE as f32 + HALF_TILE + self.origin[1];
-            let x = self.fold(x);
-            let distance = self.forms.block.distance_squared(x, y);
-            let weight = exp_half(self.forms.tile.distance_squared(x, y));
-            let meets = distance <= rule.end;
-            let accepted = rule.accepts(distance);
-            *sum += if meets & accepted {
-                f32::from(record.texels.get()) * weight
-            } else {
-                0.0
-            };
-            *opened = meets & !accepted;
+        for row in self.tile_rows.clone() {
+            let y = f32::from(row) * TILE_SIDE as f32 + HALF_TILE + self.origin[1];
+            let (mut weights, mut opened) = ([0.0; ROW], [false; ROW]);
+            for ((weight, opened), column) in weights.iter_mut().zip(&mut opened).zip(0_u16..) {
+                let x = f32::from(column) * TILE_SIDE as f32 + HALF_TILE + self.origin[0];
+                let x = self.fold(x);
+                let distance = self.forms.block.distance_squared(x, y);
+                let meets = distance <= rule.end;
+                let accepted = rule.accepts(distance);
+                let average = exp_half(self.forms.tile.distance_squared(x, y));
+                *weight = if meets & accepted { average } else { 0.0 };
+                *opened = meets & !accepted;
+            }
+            self.tiles.add_row(row, &weights, &opened);
         }
-        opened
     }
 
     /// Adds those blocks in `range` of `list` that stand for their texels to `sums`; opens the others.
@@ -326,6 +419,46 @@ impl Page<'_> {
             }
         }
         Ok(())
+    }
+}
+
+/// What each tile of a page weighs.
+pub(super) struct Tiles {
+    /// Average weight of a texel, in units of the tiles' form's peak, where the tile stands for its texels; else 0.
+    weights: [[f32; ROW]; ROW],
+    opened: [[bool; ROW]; ROW],
+}
+
+impl Tiles {
+    pub const fn new() -> Self {
+        Self {
+            weights: [[0.0; ROW]; ROW],
+            opened: [[false; ROW]; ROW],
+        }
+    }
+
+    #[inline(always)]
+    pub fn add_row(&mut self, row: u16, weights: &[f32; ROW], opened: &[bool; ROW]) {
+        let row = usize::from(row);
+        if let (Some(sums), Some(slots)) = (self.weights.get_mut(row), self.opened.get_mut(row)) {
+            for (sum, weight) in sums.iter_mut().zip(weights) {
+                *sum += weight;
+            }
+            *slots = *opened;
+        }
+    }
+
+    /// Weight of tile number `tile`, and whether it is to be opened.
+    #[inline(always)]
+    pub fn get(&self, tile: u16) -> (f32, bool) {
+        let tile = usize::from(tile) % (ROW * ROW);
+        match (
+            self.weights.as_flattened().get(tile),
+            self.opened.as_flattened().get(tile),
+        ) {
+            (Some(weight), Some(opened)) => (*weight, *opened),
+            _ => (0.0, false),
+        }
     }
 }
 

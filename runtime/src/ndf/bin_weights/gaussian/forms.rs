@@ -78,6 +78,11 @@ pub(super) struct Rule {
 }
 
 impl Rule {
+    /// Whether all squares may.
+    pub fn accepts_all(&self) -> bool {
+        self.near == f32::INFINITY
+    }
+
     /// Whether a square at squared distance `q` may stand for its texels.
     #[inline(always)]
     pub fn accepts(&self, q: f32) -> bool {

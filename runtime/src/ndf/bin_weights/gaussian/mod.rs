@@ -119,6 +119,14 @@ fn look_up(
     let reach = x.abs().max(y.abs()) + f64::from(shape.width) + f64::from(shape.height);
     let forms = Forms::new(footprint, how.tolerance, reach);
     match &target.tables.inverse {
+        Inverse::Tiles(lists) if forms.tile_rule.accepts_all() => {
+            how.instructions.run(blocks::WideTraversal {
+                target,
+                footprint,
+                forms: &forms,
+                lists,
+            })
+        }
         Inverse::Tiles(lists) => {
             let fold = blocks::folds(shape, footprint);
             texels::for_each_copy(shape, footprint, fold, &mut |footprint| {

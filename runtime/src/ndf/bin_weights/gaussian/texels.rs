@@ -182,7 +182,7 @@ pub(super) fn for_each_copy(
 /// it, and the border's texels of a clamped map once more for what lies beyond.
 ///
 /// # Errors
-/// [`QueryError::TooManyTexels`] beyond 64 times the map, or what `visit` returns.
+/// [`QueryError::TooManyTexels`] beyond 128 times the map, or what `visit` returns.
 pub(crate) fn for_each_texel(
     shape: MapShape,
     footprint: &GaussianFootprint,
