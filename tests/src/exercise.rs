@@ -99,9 +99,9 @@ fn variants(ndf: SurfaceNdf<'_>) -> Vec<SurfaceNdf<'_>> {
         let forced = [Lookup::Lists, Lookup::Scan];
         variants.extend(forced.map(|lookup| SurfaceNdf::FlakeBins(ndf.with_lookup(lookup))));
     }
-    let gaussian = variants.clone();
-    variants.extend(gaussian.iter().map(|ndf| ndf.with_filter(Filter::Gaussian)));
-    variants.push(ndf.with_filter(Filter::Gaussian).with_tolerance(0.0));
+    let gaussian = ndf.with_filter(Filter::Gaussian);
+    variants.extend([gaussian, gaussian.with_tolerance(0.0)]);
+    variants.extend(gaussian.with_setting(Setting::Exact));
     variants
 }
 
