@@ -1,7 +1,6 @@
 //! Weights by place, in integers: they do not depend on the order in which texels are found.
 
 use super::window::WINDOW;
-use crate::overlap::Parallelogram;
 
 /// Places that a texel can be counted under: those of [`KeyRuns`](super::window::KeyRuns) and, last, elsewhere.
 const PLACES: usize = 64;

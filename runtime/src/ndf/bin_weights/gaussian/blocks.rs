@@ -10,8 +10,7 @@ use crate::ndf::bin_weights::map_shape;
 use crate::ndf::bin_weights::scan::missing;
 use crate::overlap::{GaussianFootprint, TexelBox};
 use crate::scan::MapShape;
-use crate::simd::Work;
-use core::hint::black_box;
+use crate::simd::{Work, fetch};
 use core::ops::Range;
 use glintbake_format::model::{BLOCK_SIDE, BLOCK_TEXELS, PAGE_SIDE, TILE_SIDE, Wrap, block_place};
 use glintbake_format::view::{BinTables, BlockList, BlockLists, Keys};
@@ -70,10 +69,23 @@ impl Work for Traversal<'_, '_> {
                 let mut page = Page::new(target.tables, forms, footprint, corner, fold);
                 page.weigh_tiles();
                 let number = page_row * lists.layout.columns + page_column;
-                let mut window = WindowLists::new(lists, number, target.runs)?;
-                while let Some((place, list)) = window.next()? {
-                    let weight = page.weigh_list(&list);
-                    target.sums.add(place, weight);
+                let mut window = WindowLists::NONE;
+                window.find(lists, number, target.runs)?;
+                let lists = window.as_slice();
+                if lists.iter().all(|(_, list)| list.tiles.is_empty()) {
+                    for (place, list) in lists {
+                        target.sums.add(*place, page.weigh_blocks(list));
+                    }
+                } else {
+                    let mut table = BlockTable::new();
+                    for (place, list) in lists {
+                        let weight = if list.tiles.is_empty() {
+                            page.weigh_blocks(list)
+                        } else {
+                            page.weigh_tiles_of(list, &mut table)
+                        };
+                        target.sums.add(*place, weight);
+                    }
                 }
                 page.add_opened(target, fold)?;
             }
@@ -123,8 +135,9 @@ impl Work for WideTraversal<'_, '_> {
             if !meets {
                 continue;
             }
-            let mut window = WindowLists::new(lists, number, target.runs)?;
-            while let Some((place, list)) = window.next()? {
+            let mut window = WindowLists::NONE;
+            window.find(lists, number, target.runs)?;
+            for (place, list) in window.as_slice() {
                 // In several sums, for one would wait for itself.
                 let mut sums = [0.0_f32; TOGETHER];
                 if list.tiles.is_empty() {
@@ -144,7 +157,7 @@ impl Work for WideTraversal<'_, '_> {
                     }
                 }
                 let sum: f64 = sums.into_iter().map(f64::from).sum();
-                target.sums.add(place, forms.tile.peak * sum);
+                target.sums.add(*place, forms.tile.peak * sum);
             }
         }
         Ok(())
@@ -217,19 +230,51 @@ impl<'a> Page<'a> {
 }
 
 impl Page<'_> {
-    /// The weight of those tiles and blocks of `list` that stand for their texels; opens the others.
+    /// The weight of a list without tiles: of those blocks that stand for their texels, or whose tiles do; opens the others.
+    ///
+    /// A block costs a look at its tile; only those of tiles that are to be opened, few, are weighed by themselves.
     #[inline(always)]
-    fn weigh_list(&mut self, list: &BlockList<'_>) -> f64 {
+    fn weigh_blocks(&mut self, list: &BlockList<'_>) -> f64 {
+        let range = self.rows_of(list.blocks, |name| name.get() / BLOCK_TEXELS as u16);
+        let (Some(names), Some(counts)) = (list.blocks.get(range.clone()), list.counts.get(range))
+        else {
+            return 0.0;
+        };
+        let mut tiles = [0.0_f32; 4];
         let mut blocks = [0.0; TOGETHER];
-        let mut tiles = 0.0;
-        if list.tiles.is_empty() {
-            let range = self.rows_of(list.blocks, |name| name.get() / BLOCK_TEXELS as u16);
-            self.blocks(list, range, &mut blocks);
-        } else {
-            tiles = self.tiles(list, &mut blocks);
+        let mut waiting = ([U16::ZERO; TOGETHER], [0; TOGETHER]);
+        let mut count = 0;
+        for (names, counts) in names.chunks(tiles.len()).zip(counts.chunks(tiles.len())) {
+            for ((name, &texels), tiles) in names.iter().zip(counts).zip(&mut tiles) {
+                let (weight, opened) = self.tiles.get(name.get() / BLOCK_TEXELS as u16);
+                *tiles += f32::from(texels) * weight;
+                // Written in any case, kept only if opened: that costs less than a wrong guess.
+                if let (Some(name_slot), Some(texels_slot)) =
+                    (waiting.0.get_mut(count), waiting.1.get_mut(count))
+                {
+                    (*name_slot, *texels_slot) = (*name, texels);
+                }
+                count += usize::from(opened);
+                if count == TOGETHER {
+                    self.few_blocks(&waiting.0, &waiting.1, TOGETHER, &mut blocks);
+                    count = 0;
+                }
+            }
         }
+        if count > 0 {
+            self.few_blocks(&waiting.0, &waiting.1, count, &mut blocks);
+        }
+        let sum = |sums: &[f32]| sums.iter().map(|&sum| f64::from(sum)).sum::<f64>();
+        self.forms.block.peak * sum(&blocks) + self.forms.tile.peak * sum(&tiles)
+    }
+
+    /// The weight of a list with tiles: of those tiles and blocks that stand for their texels; opens the others.
+    #[inline(always)]
+    fn weigh_tiles_of(&mut self, list: &BlockList<'_>, table: &mut BlockTable) -> f64 {
+        let mut blocks = [0.0; TOGETHER];
+        let (tiles, of_table) = self.tiles(list, &mut blocks, table);
         let blocks: f64 = blocks.into_iter().map(f64::from).sum();
-        self.forms.block.peak * blocks + self.forms.tile.peak * tiles
+        self.forms.block.peak * (blocks + of_table) + self.forms.tile.peak * tiles
     }
 
     /// The part of `records`, in rising order of their tiles, in the rows of tiles that may hold weight.
@@ -252,9 +297,16 @@ impl Page<'_> {
         x - periods * self.period
     }
 
-    /// The tiles of `list` that stand for their texels, in units of the peak; adds the blocks of the others to `blocks`.
+    /// The tiles of `list` that stand for their texels, in units of the peak, and the blocks of the others that `table`
+    /// has room for, in units of theirs; adds the rest to `blocks`.
     #[inline(always)]
-    fn tiles(&mut self, list: &BlockList<'_>, blocks: &mut [f32; TOGETHER]) -> f64 {
+    fn tiles(
+        &mut self,
+        list: &BlockList<'_>,
+        blocks: &mut [f32; TOGETHER],
+        table: &mut BlockTable,
+    ) -> (f64, f64) {
+        let mut of_table = 0.0;
         let range = self.rows_of(list.tiles, |tile| tile.tile.get());
         let records = list.tiles.get(range.clone()).unwrap_or_default();
         let mut sum = 0.0;
@@ -270,21 +322,53 @@ impl Page<'_> {
             if !any {
                 continue;
             }
-            // Each tile's blocks are in cache lines of their own: fetches them all at once.
-            for (number, _) in (first..).zip(opened).filter(|(_, opened)| *opened) {
-                let range = list.tile(number);
-                black_box((
-                    list.blocks.get(range.start).copied(),
-                    list.counts.get(range.start).copied(),
-                ));
-            }
+            // Each tile's blocks are in cache lines of their own: asks for all of them first.
             for (number, opened) in (first..).zip(opened) {
                 if opened {
-                    self.blocks(list, list.tile(number), blocks);
+                    let start = list.tile(number).start;
+                    fetch(list.blocks, start);
+                    fetch(list.counts, start);
+                }
+            }
+            for ((number, opened), record) in (first..).zip(opened).zip(chunk) {
+                if opened {
+                    match table.slot(self, record.tile.get()) {
+                        Some(slot) => {
+                            of_table += self.blocks_by_table(list, number, record.tile.get(), slot);
+                        }
+                        None => self.blocks(list, list.tile(number), blocks),
+                    }
                 }
             }
         }
-        sum
+        (sum, of_table)
+    }
+
+    /// The blocks of tile record number `number` of `list`, whose tile is `tile`, by the weights in `slot`.
+    #[inline(always)]
+    fn blocks_by_table(
+        &mut self,
+        list: &BlockList<'_>,
+        number: usize,
+        tile: u16,
+        slot: &BlockWeights,
+    ) -> f64 {
+        let range = list.tile(number);
+        let (Some(names), Some(counts)) = (list.blocks.get(range.clone()), list.counts.get(range))
+        else {
+            return 0.0;
+        };
+        let mut sum = 0.0_f32;
+        let mut present = 0_u64;
+        for (name, &count) in names.iter().zip(counts) {
+            let block = name.get() % BLOCK_TEXELS as u16;
+            if let Some(weight) = slot.weights.get(usize::from(block)) {
+                sum += f32::from(count) * weight;
+            }
+            present |= 1 << block;
+        }
+        self.opened.add_all(tile, present & slot.opened);
+        f64::from(sum)
     }
 
     /// Weighs the tiles in the rows that may hold weight: those that stand for their texels, and which are to be opened.
@@ -372,6 +456,38 @@ impl Page<'_> {
                 }
             }
         }
+    }
+
+    /// The weights of the blocks of tile number `tile`, and which of them are to be opened.
+    #[inline(always)]
+    fn weights_of_tile(&self, tile: u16) -> BlockWeights {
+        let rule = self.forms.block_rule;
+        let mut slot = BlockWeights::NONE;
+        let mut opened = [false; BLOCK_TEXELS];
+        for (((weight, opened), name), _) in slot
+            .weights
+            .iter_mut()
+            .zip(&mut opened)
+            .zip(tile * BLOCK_TEXELS as u16..=u16::MAX)
+            .zip(0..BLOCK_TEXELS)
+        {
+            let (column, row) = block_place(name);
+            let x = self.fold((column * BLOCK_SIDE) as f32 + self.origin[0]);
+            let y = (row * BLOCK_SIDE) as f32 + self.origin[1];
+            let distance = self.forms.block.distance_squared(x, y);
+            let meets = distance <= rule.end;
+            let accepted = rule.accepts(distance);
+            *weight = if meets & accepted {
+                exp_half(distance)
+            } else {
+                0.0
+            };
+            *opened = meets & !accepted;
+        }
+        for (block, opened) in opened.into_iter().enumerate() {
+            slot.opened |= u64::from(opened) << block;
+        }
+        slot
     }
 
     /// Adds the texels of the opened blocks.
@@ -462,6 +578,54 @@ impl Tiles {
     }
 }
 
+/// Weights of the blocks of one tile, in units of the blocks' form's peak, and which blocks are to be opened.
+#[derive(Clone, Copy)]
+struct BlockWeights {
+    weights: [f32; BLOCK_TEXELS],
+    opened: u64,
+}
+
+impl BlockWeights {
+    const NONE: Self = Self {
+        weights: [0.0; BLOCK_TEXELS],
+        opened: 0,
+    };
+}
+
+/// Tiles whose blocks have been weighed: for windows with dense lists, many of which open the same tiles.
+struct BlockTable {
+    /// Place among `slots` of each tile of the page.
+    places: [u8; ROW * ROW],
+    slots: [BlockWeights; SLOTS],
+    count: usize,
+}
+
+/// Tiles whose blocks are kept.
+const SLOTS: usize = 128;
+const UNKNOWN: u8 = u8::MAX;
+
+impl BlockTable {
+    const fn new() -> Self {
+        Self {
+            places: [UNKNOWN; ROW * ROW],
+            slots: [BlockWeights::NONE; SLOTS],
+            count: 0,
+        }
+    }
+
+    /// The weights of tile number `tile` of `page`, if there is room.
+    #[inline(always)]
+    fn slot(&mut self, page: &Page<'_>, tile: u16) -> Option<&BlockWeights> {
+        let place = self.places.get_mut(usize::from(tile))?;
+        if *place == UNKNOWN {
+            *self.slots.get_mut(self.count)? = page.weights_of_tile(tile);
+            *place = self.count as u8;
+            self.count += 1;
+        }
+        self.slots.get(usize::from(*place))
+    }
+}
+
 /// A set of blocks of a page: one word a tile, a block's name over 64 being its tile's number.
 struct Opened([u64; (PAGE_TILES * PAGE_TILES) as usize]);
 
@@ -474,6 +638,14 @@ impl Opened {
     fn add(&mut self, name: u16) {
         if let Some(word) = self.0.get_mut(usize::from(name >> 6)) {
             *word |= 1 << (name & 63);
+        }
+    }
+
+    /// Adds the blocks `blocks` of tile number `tile`.
+    #[inline(always)]
+    fn add_all(&mut self, tile: u16, blocks: u64) {
+        if let Some(word) = self.0.get_mut(usize::from(tile)) {
+            *word |= blocks;
         }
     }
 

@@ -66,7 +66,7 @@ pub(super) fn weights(
     if is_even(shape, footprint) {
         count_map(&mut target, by_lists)?;
         let texels = f64::from(shape.width) * f64::from(shape.height);
-        return Ok(target.sums.weights_at(1.0 / texels));
+        return Ok(target.sums.weights(1.0 / texels));
     }
     if by_lists {
         look_up(&mut target, footprint, how)?;
@@ -91,7 +91,7 @@ pub(super) fn weights(
         Ok(())
     })?;
     // No texel is counted as inside.
-    Ok(target.sums.weights_at(0.0))
+    Ok(target.sums.weights(0.0))
 }
 
 /// Counts every texel of the map once.
