@@ -55,8 +55,7 @@ impl Work for Traversal<'_> {
                 let mut page = Page {
                     frame,
                     corner: [page_column * PAGE_BLOCKS, page_row * PAGE_BLOCKS],
-                    tile_rows: tiles_of_page(&bounds[1], page_row),
-                    rows_of_tiles: tiles_of_page(&(0..frame.blocks.rows), page_row).end.max(1),
+                    rows: TileRows::new(&bounds[1], page_row, frame.blocks.rows),
                     inside: [0; PAGE_WORDS],
                     crossing: [0; PAGE_WORDS],
                     wanted: [0; PAGE_WORDS],
@@ -66,7 +65,7 @@ impl Work for Traversal<'_> {
                 let mut window = WindowLists::NONE;
                 window.find(lists, number, runs)?;
                 for (_, list) in window.as_slice() {
-                    page.fetch(list);
+                    page.rows.fetch(list);
                 }
                 for (place, list) in window.as_slice() {
                     page.add_list(sums, *place, list);
@@ -150,6 +149,66 @@ impl<'w> WindowLists<'w> {
     }
 }
 
+/// The rows of tiles of a page that a footprint meets, which a list is cut down to first.
+#[derive(Clone, Debug)]
+pub(super) struct TileRows {
+    pub meets: Range<u16>,
+    /// All of the page's rows of tiles, at least 1.
+    pub count: u16,
+}
+
+impl TileRows {
+    /// Those of a page in row `page_row` of pages, of a map of `block_rows` rows of blocks, that meet the rows `meets` of
+    /// blocks.
+    pub fn new(meets: &Range<u32>, page_row: u32, block_rows: u32) -> Self {
+        Self {
+            meets: tiles_of_page(meets, page_row),
+            count: tiles_of_page(&(0..block_rows), page_row).end.max(1),
+        }
+    }
+
+    /// Asks for the part of `list` that will be looked at first.
+    #[inline(always)]
+    pub fn fetch(&self, list: &BlockList<'_>) {
+        let Range { start, end } = self.meets;
+        if list.tiles.is_empty() {
+            let guess = self.guess(list.blocks.len(), start);
+            fetch(list.blocks, guess);
+            fetch(list.blocks, self.guess(list.blocks.len(), end));
+            fetch(list.counts, guess);
+        } else {
+            fetch(list.tiles, self.guess(list.tiles.len(), start));
+        }
+    }
+
+    /// Where among `count` records those in row `row` of tiles begin, if a list's texels lie evenly.
+    #[inline(always)]
+    fn guess(&self, count: usize, row: u16) -> usize {
+        count * usize::from(row) / usize::from(self.count)
+    }
+
+    /// The part of `records`, in rising order of their tiles, in these rows.
+    #[inline(always)]
+    pub fn within<T>(&self, records: &[T], tile: impl Fn(&T) -> u16) -> Range<usize> {
+        let Range { start, end } = self.meets;
+        let before = |record: &T, row: u16| tile(record) < row * PAGE_TILES;
+        if records.len() <= COUNTED {
+            let (mut first, mut last) = (0, 0);
+            for record in records {
+                first += u16::from(before(record, start));
+                last += u16::from(before(record, end));
+            }
+            return usize::from(first)..usize::from(last);
+        }
+        let first = search(records, self.guess(records.len(), start), |record| {
+            before(record, start)
+        });
+        let rest = records.get(first..).unwrap_or_default();
+        let guess = self.guess(records.len(), end).saturating_sub(first);
+        first..first + search(rest, guess, |record| before(record, end))
+    }
+}
+
 /// The number of `records` that are `before`, which come first: as `partition_point`, but looking near `guess` first,
 /// where the cache lines have been asked for.
 #[inline(always)]
@@ -205,9 +264,7 @@ struct Page<'a> {
     /// Its first block.
     corner: [u32; 2],
     /// The rows of tiles that may hold weight.
-    tile_rows: Range<u16>,
-    /// All of the page's rows of tiles.
-    rows_of_tiles: u16,
+    rows: TileRows,
     /// The blocks that lie inside, a word for each tile: a block's name is 64 times its tile's number and its bit.
     inside: [u64; PAGE_WORDS],
     /// The blocks that cross the outline.
@@ -228,7 +285,7 @@ impl Page<'_> {
         let frame = self.frame;
         let tiles = frame.squares(f64::from(TILE_SIDE));
         let side = TILE_SIDE / BLOCK_SIDE;
-        for row in self.tile_rows.clone() {
+        for row in self.rows.meets.clone() {
             for column in tile_columns.clone() {
                 let first = [
                     self.corner[0] + u32::from(column) * side,
@@ -263,7 +320,8 @@ impl Page<'_> {
         let inside = if list.tiles.is_empty() {
             self.blocks(
                 list,
-                self.rows_of(list.blocks, |name| name.get() / BLOCK_TEXELS as u16),
+                self.rows
+                    .within(list.blocks, |name| name.get() / BLOCK_TEXELS as u16),
             )
         } else {
             self.tiles(list)
@@ -271,54 +329,10 @@ impl Page<'_> {
         sums.add_inside(place, inside);
     }
 
-    /// Asks for the part of `list` that [`add_list`](Self::add_list) will look at first.
-    #[inline(always)]
-    fn fetch(&self, list: &BlockList<'_>) {
-        if list.tiles.is_empty() {
-            let guess = self.guess(list.blocks.len(), self.tile_rows.start);
-            let middle = self.guess(list.blocks.len(), self.tile_rows.end);
-            fetch(list.blocks, guess);
-            fetch(list.blocks, middle);
-            fetch(list.counts, guess);
-        } else {
-            fetch(
-                list.tiles,
-                self.guess(list.tiles.len(), self.tile_rows.start),
-            );
-        }
-    }
-
-    /// Where among `count` records those in row `row` of tiles begin, if a list's texels lie evenly.
-    #[inline(always)]
-    fn guess(&self, count: usize, row: u16) -> usize {
-        count * usize::from(row) / usize::from(self.rows_of_tiles)
-    }
-
-    /// The part of `records`, in rising order of their tiles, in the rows of tiles that may hold weight.
-    #[inline(always)]
-    fn rows_of<T>(&self, records: &[T], tile: impl Fn(&T) -> u16) -> Range<usize> {
-        let Range { start, end } = self.tile_rows;
-        let before = |record: &T, row: u16| tile(record) < row * PAGE_TILES;
-        if records.len() <= COUNTED {
-            let (mut first, mut last) = (0, 0);
-            for record in records {
-                first += u16::from(before(record, start));
-                last += u16::from(before(record, end));
-            }
-            return usize::from(first)..usize::from(last);
-        }
-        let first = search(records, self.guess(records.len(), start), |record| {
-            before(record, start)
-        });
-        let rest = records.get(first..).unwrap_or_default();
-        let guess = self.guess(records.len(), end).saturating_sub(first);
-        first..first + search(rest, guess, |record| before(record, end))
-    }
-
     /// The texels of the tiles of `list` that lie inside, and of the blocks inside of those that do not.
     #[inline(always)]
     fn tiles(&mut self, list: &BlockList<'_>) -> u64 {
-        let range = self.rows_of(list.tiles, |tile| tile.tile.get());
+        let range = self.rows.within(list.tiles, |tile| tile.tile.get());
         let records = list.tiles.get(range.clone()).unwrap_or_default();
         let mut texels = 0;
         let mut waiting = [0; TOGETHER];
@@ -457,8 +471,8 @@ impl Page<'_> {
     /// The wanted blocks, in rising order of their names.
     #[inline(always)]
     fn wanted(&self) -> impl Iterator<Item = u16> {
-        let first = self.tile_rows.start * PAGE_TILES;
-        let words = usize::from(first)..usize::from(self.tile_rows.end * PAGE_TILES);
+        let first = self.rows.meets.start * PAGE_TILES;
+        let words = usize::from(first)..usize::from(self.rows.meets.end * PAGE_TILES);
         let words = self.wanted.get(words).unwrap_or_default();
         words.iter().zip(first..).flat_map(|(&word, tile)| {
             let mut left = word;

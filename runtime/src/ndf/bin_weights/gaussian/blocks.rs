@@ -4,7 +4,7 @@ use super::Target;
 use super::forms::{Forms, exp_half};
 use super::texels::{add_block, for_each_copy, rows};
 use crate::error::QueryError;
-use crate::ndf::bin_weights::block_lists::WindowLists;
+use crate::ndf::bin_weights::block_lists::{TileRows, WindowLists};
 use crate::ndf::bin_weights::keys::StoredKey;
 use crate::ndf::bin_weights::map_shape;
 use crate::ndf::bin_weights::scan::missing;
@@ -18,8 +18,6 @@ use zerocopy::little_endian::U16;
 
 /// Blocks or tiles weighed together, without a branch on where they lie.
 const TOGETHER: usize = 16;
-/// Lists longer than this are first cut down to the rows of tiles that the ellipse meets.
-const SEARCHED: usize = 32;
 /// Tiles in a row of a page, and in a column.
 const PAGE_TILES: u16 = (PAGE_SIDE / TILE_SIDE) as u16;
 /// The same, as a length.
@@ -72,6 +70,9 @@ impl Work for Traversal<'_, '_> {
                 let mut window = WindowLists::NONE;
                 window.find(lists, number, target.runs)?;
                 let lists = window.as_slice();
+                for (_, list) in lists {
+                    page.rows.fetch(list);
+                }
                 if lists.iter().all(|(_, list)| list.tiles.is_empty()) {
                     for (place, list) in lists {
                         target.sums.add(*place, page.weigh_blocks(list));
@@ -124,10 +125,10 @@ impl Work for WideTraversal<'_, '_> {
             for_each_copy(shape, footprint, fold, &mut |footprint| {
                 let mut page = Page::new(target.tables, forms, footprint, corner, fold);
                 page.weigh_tiles();
-                meets |= !page.tile_rows.is_empty();
-                for row in page.tile_rows.clone() {
-                    if let Some(weights) = page.tiles.weights.get(usize::from(row)) {
-                        all.add_row(row, weights, &[false; ROW]);
+                meets |= !page.rows.meets.is_empty();
+                for row in page.rows.meets.clone() {
+                    if let Some(weights) = page.tiles.0.get(usize::from(row)) {
+                        all.add_row(row, weights);
                     }
                 }
                 Ok(())
@@ -144,14 +145,14 @@ impl Work for WideTraversal<'_, '_> {
                     let chunks = list.blocks.chunks(TOGETHER);
                     for (names, counts) in chunks.zip(list.counts.chunks(TOGETHER)) {
                         for ((name, &count), sum) in names.iter().zip(counts).zip(&mut sums) {
-                            let (weight, _) = all.get(name.get() / BLOCK_TEXELS as u16);
+                            let weight = all.get(name.get() / BLOCK_TEXELS as u16);
                             *sum += f32::from(count) * weight;
                         }
                     }
                 } else {
                     for records in list.tiles.chunks(TOGETHER) {
                         for (record, sum) in records.iter().zip(&mut sums) {
-                            let (weight, _) = all.get(record.tile.get());
+                            let weight = all.get(record.tile.get());
                             *sum += f32::from(record.texels.get()) * weight;
                         }
                     }
@@ -174,10 +175,16 @@ fn page_range(low: f64, high: f64, count: u32) -> Range<u32> {
     page(low).max(0.0) as u32..page(high).min(last) as u32 + 1
 }
 
-/// The rows of tiles, of the page that begins at row `top`, that hold any of `rows` of texels.
-fn tile_rows(rows: &Range<i64>, top: u32) -> Range<u16> {
-    let place = |row: i64| (row - i64::from(top)).clamp(0, i64::from(PAGE_SIDE)) as u32;
-    (place(rows.start) / TILE_SIDE) as u16..place(rows.end).div_ceil(TILE_SIDE) as u16
+/// The rows of blocks that are weighed.
+fn rows_within(footprint: &GaussianFootprint, forms: &Forms) -> Range<u32> {
+    let rows = footprint.rows();
+    let half = 0.5 * (rows.end - rows.start) as f64;
+    // A tile whose centre is weighed may begin this much further out.
+    let spared = (half * (1.0 - forms.share_of_radius)) as i64 - i64::from(TILE_SIDE);
+    let spared = spared.max(0);
+    // A cast saturates, and what is above the map is not weighed here.
+    let block = |row: i64| u32::try_from(row.max(0)).unwrap_or(u32::MAX);
+    block(rows.start + spared) / BLOCK_SIDE..block(rows.end - spared).div_ceil(BLOCK_SIDE)
 }
 
 /// A page of the map under a Gaussian.
@@ -192,7 +199,7 @@ struct Page<'a> {
     period: f32,
     frequency: f32,
     /// The rows of tiles that may hold weight.
-    tile_rows: Range<u16>,
+    rows: TileRows,
     tiles: Tiles,
     opened: Opened,
 }
@@ -222,7 +229,11 @@ impl<'a> Page<'a> {
             origin: origin.map(|coordinate| coordinate as f32),
             period: period as f32,
             frequency: frequency as f32,
-            tile_rows: tile_rows(&footprint.rows(), corner[1]),
+            rows: TileRows::new(
+                &rows_within(footprint, forms),
+                corner[1] / PAGE_SIDE,
+                tables.instance.height.div_ceil(BLOCK_SIDE),
+            ),
             tiles: Tiles::new(),
             opened: Opened::new(),
         }
@@ -235,7 +246,9 @@ impl Page<'_> {
     /// A block costs a look at its tile; only those of tiles that are to be opened, few, are weighed by themselves.
     #[inline(always)]
     fn weigh_blocks(&mut self, list: &BlockList<'_>) -> f64 {
-        let range = self.rows_of(list.blocks, |name| name.get() / BLOCK_TEXELS as u16);
+        let range = self
+            .rows
+            .within(list.blocks, |name| name.get() / BLOCK_TEXELS as u16);
         let (Some(names), Some(counts)) = (list.blocks.get(range.clone()), list.counts.get(range))
         else {
             return 0.0;
@@ -246,15 +259,15 @@ impl Page<'_> {
         let mut count = 0;
         for (names, counts) in names.chunks(tiles.len()).zip(counts.chunks(tiles.len())) {
             for ((name, &texels), tiles) in names.iter().zip(counts).zip(&mut tiles) {
-                let (weight, opened) = self.tiles.get(name.get() / BLOCK_TEXELS as u16);
-                *tiles += f32::from(texels) * weight;
+                let weight = self.tiles.get(name.get() / BLOCK_TEXELS as u16);
+                *tiles += f32::from(texels) * weight.max(0.0);
                 // Written in any case, kept only if opened: that costs less than a wrong guess.
                 if let (Some(name_slot), Some(texels_slot)) =
                     (waiting.0.get_mut(count), waiting.1.get_mut(count))
                 {
                     (*name_slot, *texels_slot) = (*name, texels);
                 }
-                count += usize::from(opened);
+                count += usize::from(weight < 0.0);
                 if count == TOGETHER {
                     self.few_blocks(&waiting.0, &waiting.1, TOGETHER, &mut blocks);
                     count = 0;
@@ -277,17 +290,6 @@ impl Page<'_> {
         self.forms.block.peak * (blocks + of_table) + self.forms.tile.peak * tiles
     }
 
-    /// The part of `records`, in rising order of their tiles, in the rows of tiles that may hold weight.
-    #[inline(always)]
-    fn rows_of<T>(&self, records: &[T], tile: impl Fn(&T) -> u16) -> Range<usize> {
-        if records.len() <= SEARCHED {
-            return 0..records.len();
-        }
-        let before = |row: u16| records.partition_point(|record| tile(record) / PAGE_TILES < row);
-        let start = before(self.tile_rows.start);
-        start..before(self.tile_rows.end).max(start)
-    }
-
     /// `x`, less as many periods as bring it next to zero.
     #[inline(always)]
     fn fold(&self, x: f32) -> f32 {
@@ -307,17 +309,17 @@ impl Page<'_> {
         table: &mut BlockTable,
     ) -> (f64, f64) {
         let mut of_table = 0.0;
-        let range = self.rows_of(list.tiles, |tile| tile.tile.get());
+        let range = self.rows.within(list.tiles, |tile| tile.tile.get());
         let records = list.tiles.get(range.clone()).unwrap_or_default();
         let mut sum = 0.0;
         for (chunk, first) in records.chunks(TOGETHER).zip(range.step_by(TOGETHER)) {
             let mut opened = [false; TOGETHER];
             let mut any = false;
             for (record, opened) in chunk.iter().zip(&mut opened) {
-                let (weight, is_opened) = self.tiles.get(record.tile.get());
-                sum += f64::from(record.texels.get()) * f64::from(weight);
-                *opened = is_opened;
-                any |= is_opened;
+                let weight = self.tiles.get(record.tile.get());
+                sum += f64::from(record.texels.get()) * f64::from(weight.max(0.0));
+                *opened = weight < 0.0;
+                any |= *opened;
             }
             if !any {
                 continue;
@@ -375,20 +377,20 @@ impl Page<'_> {
     #[inline(always)]
     fn weigh_tiles(&mut self) {
         let rule = self.forms.tile_rule;
-        for row in self.tile_rows.clone() {
+        for row in self.rows.meets.clone() {
             let y = f32::from(row) * TILE_SIDE as f32 + HALF_TILE + self.origin[1];
-            let (mut weights, mut opened) = ([0.0; ROW], [false; ROW]);
-            for ((weight, opened), column) in weights.iter_mut().zip(&mut opened).zip(0_u16..) {
+            let mut weights = [0.0; ROW];
+            for (weight, column) in weights.iter_mut().zip(0_u16..) {
                 let x = f32::from(column) * TILE_SIDE as f32 + HALF_TILE + self.origin[0];
                 let x = self.fold(x);
                 let distance = self.forms.block.distance_squared(x, y);
                 let meets = distance <= rule.end;
                 let accepted = rule.accepts(distance);
                 let average = exp_half(self.forms.tile.distance_squared(x, y));
-                *weight = if meets & accepted { average } else { 0.0 };
-                *opened = meets & !accepted;
+                let inside = if accepted { average } else { OPENED };
+                *weight = if meets { inside } else { 0.0 };
             }
-            self.tiles.add_row(row, &weights, &opened);
+            self.tiles.add_row(row, &weights);
         }
     }
 
@@ -510,7 +512,7 @@ impl Page<'_> {
         let width = f64::from(target.tables.instance.width);
         let evenly = self.footprint.is_smooth();
         let mut space = [K::default(); BLOCK_TEXELS];
-        for tile_row in self.tile_rows.clone() {
+        for tile_row in self.rows.meets.clone() {
             let tiles = self.opened.row(tile_row);
             let all = tiles.iter().fold(0, |all, tile| all | tile);
             for within in (0..8).filter(|within| (all >> (8 * within)) & 0xFF != 0) {
@@ -538,43 +540,31 @@ impl Page<'_> {
     }
 }
 
-/// What each tile of a page weighs.
-pub(super) struct Tiles {
-    /// Average weight of a texel, in units of the tiles' form's peak, where the tile stands for its texels; else 0.
-    weights: [[f32; ROW]; ROW],
-    opened: [[bool; ROW]; ROW],
-}
+/// The tiles of a page: the average weight of a texel, in units of the tiles' form's peak, where the tile stands for its
+/// texels, 0 where it does not meet the ellipse, and [`OPENED`] where it is to be opened.
+struct Tiles([[f32; ROW]; ROW]);
+
+const OPENED: f32 = -1.0;
 
 impl Tiles {
-    pub const fn new() -> Self {
-        Self {
-            weights: [[0.0; ROW]; ROW],
-            opened: [[false; ROW]; ROW],
-        }
+    const fn new() -> Self {
+        Self([[0.0; ROW]; ROW])
     }
 
     #[inline(always)]
-    pub fn add_row(&mut self, row: u16, weights: &[f32; ROW], opened: &[bool; ROW]) {
-        let row = usize::from(row);
-        if let (Some(sums), Some(slots)) = (self.weights.get_mut(row), self.opened.get_mut(row)) {
+    fn add_row(&mut self, row: u16, weights: &[f32; ROW]) {
+        if let Some(sums) = self.0.get_mut(usize::from(row)) {
             for (sum, weight) in sums.iter_mut().zip(weights) {
                 *sum += weight;
             }
-            *slots = *opened;
         }
     }
 
-    /// Weight of tile number `tile`, and whether it is to be opened.
+    /// What tile number `tile` weighs.
     #[inline(always)]
-    pub fn get(&self, tile: u16) -> (f32, bool) {
+    fn get(&self, tile: u16) -> f32 {
         let tile = usize::from(tile) % (ROW * ROW);
-        match (
-            self.weights.as_flattened().get(tile),
-            self.opened.as_flattened().get(tile),
-        ) {
-            (Some(weight), Some(opened)) => (*weight, *opened),
-            _ => (0.0, false),
-        }
+        self.0.as_flattened().get(tile).copied().unwrap_or_default()
     }
 }
 

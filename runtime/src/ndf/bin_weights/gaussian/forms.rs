@@ -7,6 +7,10 @@ use glintbake_format::model::{BLOCK_SIDE, TILE_SIDE};
 /// Squares larger than this against the Gaussian, half diagonal over least deviation, never stand for their texels: the
 /// average at their centre would no longer say what they hold.
 const LARGEST: f64 = 1.0;
+/// Radius, in standard deviations, of what is weighed where every block stands for its texels, and the share of the
+/// Gaussian beyond it, `exp(-3.7² / 2)`: as little as the tolerance already costs, for three fifths of the area.
+const NEAR_RADIUS: f64 = 3.7;
+const NEAR_LOST: f64 = 1.066_149e-3;
 /// Halvings that find where squares may stand for their texels: to a thousandth of a deviation.
 const HALVINGS: usize = 13;
 /// Slack of every comparison in single precision, in standard deviations.
@@ -25,7 +29,7 @@ pub(super) struct Form {
 }
 
 impl Form {
-    fn new(footprint: &GaussianFootprint, side: f64) -> Self {
+    fn new(footprint: &GaussianFootprint, side: f64, lost: f64) -> Self {
         let [xx, yy, xy] = footprint.covariance();
         let root = footprint.determinant_root();
         let added = side * side / 12.0;
@@ -37,7 +41,7 @@ impl Form {
             inverse_11: (1.0 / root_yy) as f32,
             lean: (xy / yy) as f32,
             inverse_22: (root_yy / root) as f32,
-            peak: 1.0 / (2.0 * PI * root * (1.0 - LOST)),
+            peak: 1.0 / (2.0 * PI * root * (1.0 - lost)),
         }
     }
 
@@ -97,6 +101,8 @@ pub(super) struct Forms {
     pub tile: Form,
     pub block_rule: Rule,
     pub tile_rule: Rule,
+    /// Radius of what is weighed, over that of the ellipse.
+    pub share_of_radius: f64,
 }
 
 impl Forms {
@@ -106,15 +112,11 @@ impl Forms {
     /// less if the square has more texels than the Gaussian's own area `2π √det Σ`, in proportion. Blocks of an accepted
     /// tile are always accepted, so that whoever opens a block knows that no list has counted it within a tile.
     pub fn new(footprint: &GaussianFootprint, tolerance: f64, reach: f64) -> Self {
-        let block = Form::new(footprint, f64::from(BLOCK_SIDE));
-        let tile = Form::new(footprint, f64::from(TILE_SIDE));
         let least = footprint.least_deviation();
         let block_side = f64::from(BLOCK_SIDE);
         let deviation = libm::sqrt(least * least + block_side * block_side / 12.0);
         let half_diagonal = |side: u32| f64::from(side) / SQRT_2 / deviation;
         let (of_block, of_tile) = (half_diagonal(BLOCK_SIDE), half_diagonal(TILE_SIDE));
-        let spread = f64::from(block.inverse_22) * (1.0 + f64::from(block.lean).abs());
-        let slack = SLACK + ROUNDING * reach * (spread + f64::from(block.inverse_11));
         let tolerance_of = |side: u32| {
             let share = f64::from(side * side) / (2.0 * PI * footprint.determinant_root());
             if footprint.is_smooth() {
@@ -124,6 +126,14 @@ impl Forms {
             }
         };
         let accepted = accepted(of_block, tolerance_of(BLOCK_SIDE));
+        let (radius, lost) = match accepted {
+            Accepted::All => (NEAR_RADIUS, NEAR_LOST),
+            Accepted::Beyond { .. } | Accepted::None => (RADIUS, LOST),
+        };
+        let block = Form::new(footprint, f64::from(BLOCK_SIDE), lost);
+        let tile = Form::new(footprint, f64::from(TILE_SIDE), lost);
+        let spread = f64::from(block.inverse_22) * (1.0 + f64::from(block.lean).abs());
+        let slack = SLACK + ROUNDING * reach * (spread + f64::from(block.inverse_11));
         let [near, far] = match accepted {
             Accepted::All => [f64::INFINITY, f64::INFINITY],
             Accepted::Beyond { near, far } => [near + slack, far - slack],
@@ -152,8 +162,9 @@ impl Forms {
                 (distance * distance) as f32
             }
         };
-        let end = |half: f64| square((RADIUS + half) * (1.0 + 1e-6) + slack);
+        let end = |half: f64| square((radius + half) * (1.0 + 1e-6) + slack);
         Self {
+            share_of_radius: radius / RADIUS,
             block,
             tile,
             block_rule: Rule {
