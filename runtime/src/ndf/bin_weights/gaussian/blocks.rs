@@ -120,17 +120,12 @@ impl Work for WideTraversal<'_, '_> {
         for number in 0..lists.layout.count() {
             let corner = [number % lists.layout.columns, number / lists.layout.columns]
                 .map(|place| place * PAGE_SIDE);
-            let mut all = Tiles::new();
+            let mut all = SlopingTiles::new();
             let mut meets = false;
             for_each_copy(shape, footprint, fold, &mut |footprint| {
-                let mut page = Page::new(target.tables, forms, footprint, corner, fold);
-                page.weigh_tiles();
+                let page = Page::new(target.tables, forms, footprint, corner, fold);
                 meets |= !page.rows.meets.is_empty();
-                for row in page.rows.meets.clone() {
-                    if let Some(weights) = page.tiles.0.get(usize::from(row)) {
-                        all.add_row(row, weights);
-                    }
-                }
+                page.add_slopes(&mut all);
                 Ok(())
             })?;
             if !meets {
@@ -145,14 +140,13 @@ impl Work for WideTraversal<'_, '_> {
                     let chunks = list.blocks.chunks(TOGETHER);
                     for (names, counts) in chunks.zip(list.counts.chunks(TOGETHER)) {
                         for ((name, &count), sum) in names.iter().zip(counts).zip(&mut sums) {
-                            let weight = all.get(name.get() / BLOCK_TEXELS as u16);
-                            *sum += f32::from(count) * weight;
+                            *sum += f32::from(count) * all.block(name.get());
                         }
                     }
                 } else {
                     for records in list.tiles.chunks(TOGETHER) {
                         for (record, sum) in records.iter().zip(&mut sums) {
-                            let weight = all.get(record.tile.get());
+                            let [weight, _, _] = all.tile(record.tile.get());
                             *sum += f32::from(record.texels.get()) * weight;
                         }
                     }
@@ -394,6 +388,28 @@ impl Page<'_> {
         }
     }
 
+    /// Adds what the tiles in the rows that may hold weight weigh, and their slopes, to `all`.
+    #[inline(always)]
+    fn add_slopes(&self, all: &mut SlopingTiles) {
+        for row in self.rows.meets.clone() {
+            let y = f32::from(row) * TILE_SIDE as f32 + HALF_TILE + self.origin[1];
+            let Some(tiles) = all.0.get_mut(usize::from(row)) else {
+                return;
+            };
+            for ([sum, sum_x, sum_y], column) in tiles.iter_mut().zip(0_u16..) {
+                let x = f32::from(column) * TILE_SIDE as f32 + HALF_TILE + self.origin[0];
+                let x = self.fold(x);
+                let meets = self.forms.block.distance_squared(x, y) <= self.forms.tile_rule.end;
+                let average = exp_half(self.forms.tile.distance_squared(x, y));
+                let weight = if meets { average } else { 0.0 };
+                let [slope_x, slope_y] = self.forms.tile.slope(x, y);
+                *sum += weight;
+                *sum_x -= weight * slope_x;
+                *sum_y -= weight * slope_y;
+            }
+        }
+    }
+
     /// Adds those blocks in `range` of `list` that stand for their texels to `sums`; opens the others.
     #[inline(always)]
     fn blocks(&mut self, list: &BlockList<'_>, range: Range<usize>, sums: &mut [f32; TOGETHER]) {
@@ -545,6 +561,31 @@ impl Page<'_> {
 struct Tiles([[f32; ROW]; ROW]);
 
 const OPENED: f32 = -1.0;
+
+/// The tiles of a page if all stand for their texels: the average weight of a texel and its change per texel along x and
+/// y, in units of the tiles' form's peak, all copies together.
+struct SlopingTiles([[[f32; 3]; ROW]; ROW]);
+
+impl SlopingTiles {
+    const fn new() -> Self {
+        Self([[[0.0; 3]; ROW]; ROW])
+    }
+
+    /// What tile number `tile` weighs.
+    #[inline(always)]
+    fn tile(&self, tile: u16) -> [f32; 3] {
+        let tile = usize::from(tile) % (ROW * ROW);
+        self.0.as_flattened().get(tile).copied().unwrap_or_default()
+    }
+
+    /// What the block called `name` weighs a texel.
+    #[inline(always)]
+    fn block(&self, name: u16) -> f32 {
+        let [weight, slope_x, slope_y] = self.tile(name / BLOCK_TEXELS as u16);
+        let offset = |block: u16| f32::from(block % 8) * BLOCK_SIDE as f32 - HALF_TILE;
+        (weight + slope_x * offset(name) + slope_y * offset(name / 8)).max(0.0)
+    }
+}
 
 impl Tiles {
     const fn new() -> Self {

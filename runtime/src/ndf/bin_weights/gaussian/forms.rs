@@ -11,6 +11,9 @@ const LARGEST: f64 = 1.0;
 /// Gaussian beyond it, `exp(-3.7² / 2)`: as little as the tolerance already costs, for three fifths of the area.
 const NEAR_RADIUS: f64 = 3.7;
 const NEAR_LOST: f64 = 1.066_149e-3;
+/// How much more than over a block the Gaussian may range over tiles if all of them stand for their texels: then the
+/// slope over a tile is taken into account as well. At the default tolerance, from a least deviation of two tiles on.
+const SLOPING: f64 = 3.5;
 /// Halvings that find where squares may stand for their texels: to a thousandth of a deviation.
 const HALVINGS: usize = 13;
 /// Slack of every comparison in single precision, in standard deviations.
@@ -51,6 +54,16 @@ impl Form {
         let first = y * self.inverse_11;
         let second = (x - self.lean * y) * self.inverse_22;
         first * first + second * second
+    }
+}
+
+impl Form {
+    /// Half the slope of [`distance_squared`](Self::distance_squared) at (`x`, `y`), along x and y.
+    #[inline(always)]
+    pub fn slope(&self, x: f32, y: f32) -> [f32; 2] {
+        let first = y * self.inverse_11 * self.inverse_11;
+        let second = (x - self.lean * y) * self.inverse_22 * self.inverse_22;
+        [second, first - self.lean * second]
     }
 }
 
@@ -139,9 +152,13 @@ impl Forms {
             Accepted::Beyond { near, far } => [near + slack, far - slack],
             Accepted::None => [-1.0, f64::INFINITY],
         };
+        let of_all_tiles = self::accepted(of_tile, SLOPING * tolerance_of(TILE_SIDE));
         let apart = of_tile - of_block;
         let [tile_near, tile_far] =
             match (accepted, self::accepted(of_tile, tolerance_of(TILE_SIDE))) {
+                (Accepted::All, _) if matches!(of_all_tiles, Accepted::All) => {
+                    [f64::INFINITY, f64::INFINITY]
+                }
                 (Accepted::None, _) | (_, Accepted::None) => [-1.0, f64::INFINITY],
                 (Accepted::All, Accepted::All) => [f64::INFINITY, f64::INFINITY],
                 (Accepted::All, Accepted::Beyond { near, far }) => [near, far],
