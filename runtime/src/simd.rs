@@ -1,10 +1,11 @@
-//! Vector instructions, chosen at run time. With the feature `simd`, the one module with unsafe code.
+//! Vector instructions, chosen at run time for Gaussian footprints, which they speed up 1.2 to 2 times from 256 × 256
+//! texels on. With the feature `simd`, the one module with unsafe code.
 //!
 //! There is no second implementation behind it: the same safe code is compiled once for every processor of the target
 //! and once more for those with wider vectors, and runs in whichever form the processor has. As neither form fuses or
 //! reorders a floating-point operation, both give the same bits.
 
-/// Which instructions a query may use.
+/// Which instructions a query under a Gaussian may use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Instructions {
     /// The widest vectors the processor has, with the feature `simd` on x86-64; else as [`Self::Portable`].

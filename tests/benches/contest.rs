@@ -14,7 +14,7 @@ use glintbake_format::model::{
     BinGrid, Binning, Footprint, HalfVector, Method, Neighbourhood, Wrap, disk_grid_resolution,
 };
 use glintbake_runtime::microfacet::beckmann;
-use glintbake_runtime::{FlakeBins, Instructions, Package, SurfaceNdf};
+use glintbake_runtime::{FlakeBins, Package, SurfaceNdf};
 use glintbake_samples::{Kind, Options, generate};
 use glintbake_tests::fixtures::Stream;
 use glintbake_tests::paper_forest::{LEAF_SIZE, PaperForest, PaperLookup, Traversal};
@@ -40,11 +40,10 @@ const MAPS: [(&str, Kind, f64); 6] = [
     ("noise", Kind::Noise, 1.0),
 ];
 
-const CONTESTANTS: [&str; 5] = ["paper", "one by one", "scan", "ours", "ours, simd"];
+const CONTESTANTS: [&str; 4] = ["paper", "one by one", "scan", "ours"];
 const PAPER: usize = 0;
 const SCAN: usize = 2;
 const OURS: usize = 3;
-const OURS_SIMD: usize = 4;
 
 type Query = (Footprint, HalfVector);
 
@@ -233,7 +232,7 @@ fn contest(name: &str, map: &NormalMap, edges: &[u32]) -> f64 {
     let paper = forest.bytes_per_texel() + 4.0;
     let ours = bytes.len() as f64 / texels;
     println!(
-        "{name:<10} {:>8} {paper:>10.2} {paper:>10.2} {:>10.2} {ours:>10.2} {ours:>10.2}  bytes a texel, bin map included\n",
+        "{name:<10} {:>8} {paper:>10.2} {paper:>10.2} {:>10.2} {ours:>10.2}  bytes a texel, bin map included\n",
         "",
         scan.bytes_per_texel()
     );
@@ -295,17 +294,10 @@ impl Contestants<'_> {
                 match who {
                     PAPER => self.together.bin_weights(footprint, *h, bins, &mut add),
                     SCAN => self.scan.bin_weights(footprint, *h, bins, &mut add),
-                    OURS | OURS_SIMD => {
-                        let instructions = if who == OURS {
-                            Instructions::Portable
-                        } else {
-                            Instructions::Fastest
-                        };
-                        self.ours
-                            .with_instructions(instructions)
-                            .bin_weights(footprint, *h, bins, &mut add)
-                            .expect("in range");
-                    }
+                    OURS => self
+                        .ours
+                        .bin_weights(footprint, *h, bins, &mut add)
+                        .expect("in range"),
                     _ => self.one_by_one.bin_weights(footprint, *h, bins, &mut add),
                 }
                 density

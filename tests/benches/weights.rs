@@ -8,7 +8,7 @@ use divan::counter::ItemsCount;
 use glintbake_bake::normals::NormalMap;
 use glintbake_format::model::{Footprint, HalfVector, Wrap};
 use glintbake_runtime::ndf::Lookup;
-use glintbake_runtime::{Instructions, Ndf, Package, Setting, SurfaceNdf};
+use glintbake_runtime::{Ndf, Package, Setting, SurfaceNdf};
 use glintbake_samples::Kind;
 use glintbake_tests::fixtures::{Stream, flake_package, sample_map};
 use std::sync::LazyLock;
@@ -53,19 +53,12 @@ fn queries(map: &NormalMap, edge: f64) -> Vec<(Footprint, HalfVector)> {
         .collect()
 }
 
-fn run(
-    bencher: divan::Bencher<'_, '_>,
-    kind: usize,
-    edge: u32,
-    lookup: Option<Lookup>,
-    instructions: Instructions,
-) {
+fn run(bencher: divan::Bencher<'_, '_>, kind: usize, edge: u32, lookup: Option<Lookup>) {
     let scene = &SCENES[kind];
     let package = Package::open(&scene.bytes).expect("a fresh package opens");
     let SurfaceNdf::FlakeBins(ndf) = package.ndf(1).expect("it has one instance") else {
         unreachable!("baked for flake-bins");
     };
-    let ndf = ndf.with_instructions(instructions);
     let ndf = match lookup {
         Some(lookup) => ndf.with_lookup(lookup),
         None => ndf
@@ -88,19 +81,16 @@ fn run(
 macro_rules! benches {
     ($($map:ident = $kind:literal),+) => {
         $(mod $map {
-            benches!(@ $kind, lists, Some(super::Lookup::Lists), Fastest);
-            benches!(@ $kind, lists_portable, Some(super::Lookup::Lists), Portable);
-            benches!(@ $kind, scan, Some(super::Lookup::Scan), Fastest);
-            benches!(@ $kind, scan_portable, Some(super::Lookup::Scan), Portable);
-            benches!(@ $kind, auto, Some(super::Lookup::Auto), Fastest);
-            benches!(@ $kind, auto_portable, Some(super::Lookup::Auto), Portable);
-            benches!(@ $kind, exact, None, Portable);
+            benches!(@ $kind, lists, Some(super::Lookup::Lists));
+            benches!(@ $kind, scan, Some(super::Lookup::Scan));
+            benches!(@ $kind, auto, Some(super::Lookup::Auto));
+            benches!(@ $kind, exact, None);
         })+
     };
-    (@ $kind:literal, $name:ident, $lookup:expr, $instructions:ident) => {
+    (@ $kind:literal, $name:ident, $lookup:expr) => {
         #[divan::bench(args = super::EDGES)]
         fn $name(bencher: divan::Bencher<'_, '_>, edge: u32) {
-            super::run(bencher, $kind, edge, $lookup, super::Instructions::$instructions);
+            super::run(bencher, $kind, edge, $lookup);
         }
     };
 }

@@ -12,7 +12,6 @@ mod flake_bins;
 mod gaussian;
 mod golden;
 mod hostile;
-mod instructions;
 mod masked_brdf;
 mod masking;
 mod opening;

@@ -95,7 +95,8 @@ impl<'a> FlakeBins<'a> {
         self
     }
 
-    /// The same P-NDF, its bin weights found with `instructions`; every choice gives the same bits.
+    /// The same P-NDF, Gaussian footprints weighed with `instructions`; every choice gives the same bits. Boxes are weighed
+    /// by integers and a few comparisons, which wider vectors do not speed up.
     #[must_use]
     pub fn with_instructions(mut self, instructions: Instructions) -> Self {
         self.how.instructions = instructions;

@@ -7,7 +7,7 @@ use super::sums::Sums;
 use super::window::{KeyRuns, RUNS, WINDOW};
 use crate::error::QueryError;
 use crate::overlap::TexelBox;
-use crate::simd::{Work, fetch};
+use crate::simd::fetch;
 use core::ops::Range;
 use glintbake_format::model::{
     BLOCK_SIDE, BLOCK_TEXELS, PAGE_SIDE, TILE_SIDE, block_name, block_place,
@@ -34,11 +34,9 @@ pub(super) struct Traversal<'t> {
     pub runs: &'t KeyRuns,
 }
 
-impl Work for Traversal<'_> {
-    type Output = Result<(), QueryError>;
-
-    #[inline(always)]
-    fn run(self) -> Self::Output {
+impl Traversal<'_> {
+    /// Adds them.
+    pub fn run(self) -> Result<(), QueryError> {
         let Self {
             sums,
             frame,

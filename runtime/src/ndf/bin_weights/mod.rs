@@ -126,9 +126,9 @@ fn find_sums(
         Lookup::Lists => true,
     };
     if by_lists {
-        look_up(sums, tables, footprint, runs, how.instructions)
+        look_up(sums, tables, footprint, runs)
     } else {
-        scan_tiles(sums, tables, footprint, runs, how.instructions)
+        scan_tiles(sums, tables, footprint, runs)
     }
 }
 
@@ -137,19 +137,19 @@ fn scan_tiles(
     tables: &BinTables<'_>,
     footprint: &Parallelogram,
     runs: &KeyRuns,
-    instructions: Instructions,
 ) -> Result<(), QueryError> {
     let shape = map_shape(tables);
     let outline = Outline::new(footprint);
     let mut budget = Budget::new(shape);
     let whole_tiles = shape.for_each_copy(footprint, &mut |tile| {
         let frame = Frame::new(tables, tile, outline.as_ref());
-        instructions.run(scan::Scan {
+        scan::Scan {
             sums,
             frame: &frame,
             runs,
             budget: &mut budget,
-        })
+        }
+        .run()
     })?;
     if whole_tiles > 0 {
         scan::count_map(sums, tables, runs, whole_tiles)?;
@@ -162,7 +162,6 @@ fn look_up(
     tables: &BinTables<'_>,
     footprint: &Parallelogram,
     runs: &KeyRuns,
-    instructions: Instructions,
 ) -> Result<(), QueryError> {
     let shape = map_shape(tables);
     let outline = Outline::new(footprint);
@@ -171,12 +170,13 @@ fn look_up(
         Inverse::Tiles(lists) => {
             let whole_tiles = shape.for_each_copy(footprint, &mut |tile| {
                 let frame = Frame::new(tables, tile, outline);
-                instructions.run(block_lists::Traversal {
+                block_lists::Traversal {
                     sums,
                     frame: &frame,
                     lists,
                     runs,
-                })
+                }
+                .run()
             })?;
             if whole_tiles > 0 {
                 block_lists::count_map(sums, lists, runs, whole_tiles)?;

@@ -6,7 +6,7 @@ use super::sums::Sums;
 use super::window::KeyRuns;
 use crate::error::QueryError;
 use crate::scan::Budget;
-use crate::simd::{Work, fetch};
+use crate::simd::fetch;
 use core::ops::Range;
 use glintbake_format::model::BLOCK_TEXELS;
 use glintbake_format::view::{BinTables, KeyLayout, Keys};
@@ -25,11 +25,9 @@ pub(super) struct Scan<'s> {
     pub budget: &'s mut Budget,
 }
 
-impl Work for Scan<'_> {
-    type Output = Result<(), QueryError>;
-
-    #[inline(always)]
-    fn run(self) -> Self::Output {
+impl Scan<'_> {
+    /// Adds them.
+    pub fn run(self) -> Result<(), QueryError> {
         match self.frame.tables.bin_map.keys {
             Keys::Narrow(keys) => scan_keys(keys, self.sums, self.frame, self.runs, self.budget),
             Keys::Wide(keys) => scan_keys(keys, self.sums, self.frame, self.runs, self.budget),
