@@ -8,7 +8,7 @@ use divan::counter::ItemsCount;
 use glintbake_bake::normals::NormalMap;
 use glintbake_format::model::{Footprint, HalfVector, Wrap};
 use glintbake_runtime::ndf::Lookup;
-use glintbake_runtime::{Ndf, Package, Setting, SurfaceNdf};
+use glintbake_runtime::{Ndf, Package, Queries, Setting, SurfaceNdf};
 use glintbake_samples::Kind;
 use glintbake_tests::fixtures::{Stream, flake_package, sample_map};
 use std::sync::LazyLock;
@@ -78,6 +78,41 @@ fn run(bencher: divan::Bencher<'_, '_>, kind: usize, edge: u32, lookup: Option<L
         });
 }
 
+/// As `run` by the way the runtime chooses, all queries in one batch.
+fn run_batch(bencher: divan::Bencher<'_, '_>, kind: usize, edge: u32) {
+    let scene = &SCENES[kind];
+    let package = Package::open(&scene.bytes).expect("a fresh package opens");
+    let ndf = package.ndf(1).expect("it has one instance");
+    let queries = queries(&scene.map, f64::from(edge));
+    let coordinate = |pick: &dyn Fn(&(Footprint, HalfVector)) -> f64| -> Vec<f64> {
+        queries.iter().map(pick).collect()
+    };
+    let arrays = [
+        coordinate(&|(footprint, _)| footprint.centre[0]),
+        coordinate(&|(footprint, _)| footprint.centre[1]),
+        coordinate(&|(footprint, _)| footprint.edge_1[0]),
+        coordinate(&|(footprint, _)| footprint.edge_1[1]),
+        coordinate(&|(footprint, _)| footprint.edge_2[0]),
+        coordinate(&|(footprint, _)| footprint.edge_2[1]),
+        coordinate(&|(_, h)| h.s),
+        coordinate(&|(_, h)| h.t),
+    ];
+    let [u, v, e1u, e1v, e2u, e2v, s, t] = &arrays;
+    let batch = Queries {
+        centre: [u, v],
+        edge_1: [e1u, e1v],
+        edge_2: [e2u, e2v],
+        half_vector: [s, t],
+    };
+    let mut densities = vec![0.0; queries.len()];
+    bencher
+        .counter(ItemsCount::new(queries.len()))
+        .bench_local(|| {
+            ndf.eval_batch(&batch, &mut densities).expect("in range");
+            densities.last().copied()
+        });
+}
+
 macro_rules! benches {
     ($($map:ident = $kind:literal),+) => {
         $(mod $map {
@@ -85,6 +120,11 @@ macro_rules! benches {
             benches!(@ $kind, scan, Some(super::Lookup::Scan));
             benches!(@ $kind, auto, Some(super::Lookup::Auto));
             benches!(@ $kind, exact, None);
+
+            #[divan::bench(args = super::EDGES)]
+            fn batch(bencher: divan::Bencher<'_, '_>, edge: u32) {
+                super::run_batch(bencher, $kind, edge);
+            }
         })+
     };
     (@ $kind:literal, $name:ident, $lookup:expr) => {

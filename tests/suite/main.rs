@@ -3,6 +3,7 @@
 #![allow(missing_docs, reason = "a test's name says what it shows")]
 
 mod baselines;
+mod batch;
 mod block_lists;
 mod brdf;
 mod corpus;

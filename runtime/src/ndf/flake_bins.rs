@@ -5,8 +5,8 @@
 //! texels under the footprint (eq. 11).
 
 use super::bin_weights::{
-    BinWindow, How, Lookup, Patch, bin_weights, check_finite, for_each_texel, map_shape,
-    patch_under, texel_under,
+    BinWindow, How, Lookup, Patch, bin_weights, check_finite, fetch_blocks, for_each_texel,
+    map_shape, patch_under, texel_under,
 };
 use super::{Facet, Ndf};
 use crate::error::QueryError;
@@ -264,6 +264,10 @@ impl Ndf for FlakeBins<'_> {
                 }
             }
         }
+    }
+
+    fn fetch(&self, footprint: &Footprint) {
+        fetch_blocks(&self.tables, footprint);
     }
 
     fn sample(

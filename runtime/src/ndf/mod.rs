@@ -2,10 +2,12 @@
 //!
 //! One file per method, of the method's name; [`SurfaceNdf`] is the registry.
 
+mod batch;
 mod bin_weights;
 mod flake_bins;
 mod specular_bins;
 
+pub use batch::{BatchError, Queries};
 pub use bin_weights::{DEFAULT_TOLERANCE, Lookup};
 pub use flake_bins::{FlakeBins, Setting};
 pub use specular_bins::SpecularBins;
@@ -49,6 +51,33 @@ pub trait Ndf {
         half_vector: HalfVector,
         visit: &mut dyn FnMut(Facet),
     ) -> Result<(), QueryError>;
+
+    /// Asks memory for what a query under `footprint` reads first. Changes no answer; what is wrong with the footprint is
+    /// for the query to say.
+    fn fetch(&self, footprint: &Footprint) {
+        let _ = footprint;
+    }
+
+    /// Writes [`eval`](Self::eval) of each of `queries` to its place in `densities`. From the second query on, the memory
+    /// a query needs is on its way before its turn comes.
+    ///
+    /// # Errors
+    /// [`BatchError`]: arrays of different lengths, or the first query without an answer.
+    fn eval_batch(&self, queries: &Queries<'_>, densities: &mut [f64]) -> Result<(), BatchError> {
+        batch::answer(self, queries, densities, |footprint, half_vector| {
+            self.eval(footprint, half_vector)
+        })
+    }
+
+    /// Writes [`pdf`](Self::pdf) of each of `queries` to its place in `densities`, as [`eval_batch`](Self::eval_batch).
+    ///
+    /// # Errors
+    /// As [`eval_batch`](Self::eval_batch).
+    fn pdf_batch(&self, queries: &Queries<'_>, densities: &mut [f64]) -> Result<(), BatchError> {
+        batch::answer(self, queries, densities, |footprint, half_vector| {
+            self.pdf(footprint, half_vector)
+        })
+    }
 
     /// The density `D` of the footprint's facet normals at `half_vector`, per steradian, ≥ 0; 0 outside the disk.
     ///
@@ -189,6 +218,10 @@ impl Ndf for SurfaceNdf<'_> {
         visit: &mut dyn FnMut(Facet),
     ) -> Result<(), QueryError> {
         self.method().facets(footprint, half_vector, visit)
+    }
+
+    fn fetch(&self, footprint: &Footprint) {
+        self.method().fetch(footprint);
     }
 
     fn eval(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError> {

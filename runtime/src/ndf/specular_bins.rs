@@ -4,7 +4,9 @@
 //! Microstructure", 2020. `D(h) = Σ |A ∩ T_k| / (|H| |A|)` over the texels whose normal shares h's bin H (§2):
 //! the true density averaged over that bin.
 
-use super::bin_weights::{BinWindow, How, bin_weights, check_finite, patch_under, texel_under};
+use super::bin_weights::{
+    BinWindow, How, bin_weights, check_finite, fetch_blocks, patch_under, texel_under,
+};
 use super::{Facet, Ndf};
 use crate::error::QueryError;
 use crate::microfacet::Masking;
@@ -97,6 +99,10 @@ impl Ndf for SpecularBins<'_> {
                 });
             },
         )
+    }
+
+    fn fetch(&self, footprint: &Footprint) {
+        fetch_blocks(&self.tables, footprint);
     }
 
     fn sample(
