@@ -9,7 +9,7 @@ use glintbake_format::model::Wrap;
 const BUDGET_MAPS: u64 = 16;
 /// What a scan may visit on any map, however small.
 const BUDGET_LEAST: u64 = 1 << 16;
-/// How many times as many under a Gaussian, whose ellipse has up to 58 times the area of the box of half its edges.
+/// How many times as many under a Gaussian, whose ellipse has 18 times the area of the box of the same edges.
 const GAUSSIAN_BUDGET: u64 = 8;
 /// Rows handed out together. Rows of a map are pages apart in memory, and whoever waits for the first texel of one
 /// may as well wait for several.

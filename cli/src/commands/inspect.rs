@@ -105,6 +105,14 @@ fn print_metadata(metadata: &Value, console: &Console) {
     for line in describe::normals(metadata) {
         console.result(format_args!("  {line}"));
     }
+    for chosen in metadata["chosen"].as_array().into_iter().flatten() {
+        console.result(format_args!(
+            "  index: {} for instance {}: {}",
+            chosen["inverse"].as_str().unwrap_or("?"),
+            chosen["instance"],
+            chosen["reason"].as_str().unwrap_or("?")
+        ));
+    }
     for left_out in metadata["left-out"].as_array().into_iter().flatten() {
         console.result(format_args!(
             "  left out: {} of instance {}: {}",

@@ -123,3 +123,23 @@ fn every_kind_gives_the_same_densities() {
         }
     }
 }
+
+#[test]
+fn the_choice_and_its_reason_are_in_the_package() {
+    let workshop = Workshop::new();
+    workshop.succeeds(&["sample", "flakes", "--size=256", "-o=map.png"]);
+    for (index, kind, reason) in [
+        ("auto", "tiles", "bytes a texel"),
+        ("forest", "forest", "asked for"),
+        ("none", "none", "asked for"),
+    ] {
+        let index = format!("--index={index}");
+        workshop.succeeds(&["bake", "map.png", "-o=f.glint", "--roughness=0.01", &index]);
+        let text = workshop.succeeds(&["inspect", "f.glint"]);
+        let line = format!("  index: {kind} for instance 1: ");
+        let found = text.lines().find_map(|text| text.strip_prefix(&line));
+        assert!(found.is_some_and(|found| found.contains(reason)), "{text}");
+        let document = workshop.document(&["inspect", "f.glint", "--json"]);
+        assert_eq!(document["metadata"]["chosen"][0]["inverse"], kind);
+    }
+}
