@@ -111,7 +111,7 @@ fn inspect_shows_header_instances_sections_and_where_the_map_came_from() {
         "  instance 3: specular-bins 96 x 40",
         "  INST     all                3  ",
         "  TMAP     2               3840  7680 B       2.000\n",
-        "  left out: LTIL of instance 1: no list is long and dense enough\n",
+        "  index: none for instance 1: a scan of all 3840 texels takes no longer than finding lists\n",
         input.as_str(),
         "  normals: mean (",
         "  MASK     1               2048  4096 B       1.067\n",

@@ -129,6 +129,7 @@ fn every_command_has_a_document_of_stable_keys() {
     assert_eq!(
         keys(&inspected["metadata"]),
         [
+            "chosen",
             "convention",
             "inputs",
             "left-out",
