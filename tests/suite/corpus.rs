@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use std::fs;
 
 /// Mutations of each file.
-const MUTATIONS: u64 = 2000;
+const MUTATIONS: u64 = 300;
 
 /// Names and bytes of the committed files, by name.
 fn files() -> Vec<(String, Vec<u8>)> {
