@@ -2,11 +2,11 @@
 
 use super::Target;
 use super::forms::{Forms, exp_half};
-use super::texels::{add_block, for_each_copy, rows};
+use super::tables::{BlockWeights, OPENED, Opened, Tiles};
+use super::texels::{add_block, rows};
 use crate::error::QueryError;
 use crate::ndf::bin_weights::block_lists::{TileRows, WindowLists};
 use crate::ndf::bin_weights::keys::StoredKey;
-use crate::ndf::bin_weights::map_shape;
 use crate::ndf::bin_weights::scan::missing;
 use crate::overlap::{GaussianFootprint, TexelBox};
 use crate::scan::MapShape;
@@ -17,13 +17,13 @@ use glintbake_format::view::{BinTables, BlockList, BlockLists, Keys};
 use zerocopy::little_endian::U16;
 
 /// Blocks or tiles weighed together, without a branch on where they lie.
-const TOGETHER: usize = 16;
+pub(super) const TOGETHER: usize = 16;
 /// Tiles in a row of a page, and in a column.
-const PAGE_TILES: u16 = (PAGE_SIDE / TILE_SIDE) as u16;
+pub(super) const PAGE_TILES: u16 = (PAGE_SIDE / TILE_SIDE) as u16;
 /// The same, as a length.
-const ROW: usize = PAGE_TILES as usize;
+pub(super) const ROW: usize = PAGE_TILES as usize;
 const HALF_BLOCK: f64 = 0.5 * BLOCK_SIDE as f64;
-const HALF_TILE: f32 = (TILE_SIDE / 2 - BLOCK_SIDE / 2) as f32;
+pub(super) const HALF_TILE: f32 = (TILE_SIDE / 2 - BLOCK_SIDE / 2) as f32;
 
 /// Whether, on a map of `shape`, no tile meets `footprint` both from the left and from the right: then every block has
 /// but one copy in its row that counts.
@@ -95,70 +95,6 @@ impl Work for Traversal<'_, '_> {
     }
 }
 
-/// Adds the weights of all wanted texels of the map under `footprint`, all tiles of which stand for their texels, to the
-/// sums: all copies of a tile are weighed together, and lists are walked but once.
-pub(super) struct WideTraversal<'s, 't> {
-    pub target: &'s mut Target<'t>,
-    pub footprint: &'s GaussianFootprint,
-    pub forms: &'s Forms,
-    pub lists: &'s BlockLists<'s>,
-}
-
-impl Work for WideTraversal<'_, '_> {
-    type Output = Result<(), QueryError>;
-
-    #[inline(always)]
-    fn run(self) -> Self::Output {
-        let Self {
-            target,
-            footprint,
-            forms,
-            lists,
-        } = self;
-        let shape = map_shape(target.tables);
-        let fold = folds(shape, footprint);
-        for number in 0..lists.layout.count() {
-            let corner = [number % lists.layout.columns, number / lists.layout.columns]
-                .map(|place| place * PAGE_SIDE);
-            let mut all = SlopingTiles::new();
-            let mut meets = false;
-            for_each_copy(shape, footprint, fold, &mut |footprint| {
-                let page = Page::new(target.tables, forms, footprint, corner, fold);
-                meets |= !page.rows.meets.is_empty();
-                page.add_slopes(&mut all);
-                Ok(())
-            })?;
-            if !meets {
-                continue;
-            }
-            let mut window = WindowLists::NONE;
-            window.find(lists, number, target.runs)?;
-            for (place, list) in window.as_slice() {
-                // In several sums, for one would wait for itself.
-                let mut sums = [0.0_f32; TOGETHER];
-                if list.tiles.is_empty() {
-                    let chunks = list.blocks.chunks(TOGETHER);
-                    for (names, counts) in chunks.zip(list.counts.chunks(TOGETHER)) {
-                        for ((name, &count), sum) in names.iter().zip(counts).zip(&mut sums) {
-                            *sum += f32::from(count) * all.block(name.get());
-                        }
-                    }
-                } else {
-                    for records in list.tiles.chunks(TOGETHER) {
-                        for (record, sum) in records.iter().zip(&mut sums) {
-                            let [weight, _, _] = all.tile(record.tile.get());
-                            *sum += f32::from(record.texels.get()) * weight;
-                        }
-                    }
-                }
-                let sum: f64 = sums.into_iter().map(f64::from).sum();
-                target.sums.add(*place, forms.tile.peak * sum);
-            }
-        }
-        Ok(())
-    }
-}
-
 /// The pages, of `count` in a row, that hold texels from `low` to `high`.
 fn page_range(low: f64, high: f64, count: u32) -> Range<u32> {
     let page = |texel: f64| libm::floor(texel / f64::from(PAGE_SIDE));
@@ -182,18 +118,18 @@ fn rows_within(footprint: &GaussianFootprint, forms: &Forms) -> Range<u32> {
 }
 
 /// A page of the map under a Gaussian.
-struct Page<'a> {
-    forms: &'a Forms,
+pub(super) struct Page<'a> {
+    pub(super) forms: &'a Forms,
     footprint: &'a GaussianFootprint,
     /// Its first texel.
     corner: [u32; 2],
     /// The centre of its first block, relative to the Gaussian's.
-    origin: [f32; 2],
+    pub(super) origin: [f32; 2],
     /// The map's width if columns repeat, and its inverse; else zeros.
     period: f32,
     frequency: f32,
     /// The rows of tiles that may hold weight.
-    rows: TileRows,
+    pub(super) rows: TileRows,
     tiles: Tiles,
     opened: Opened,
 }
@@ -201,7 +137,7 @@ struct Page<'a> {
 impl<'a> Page<'a> {
     /// The page of a map that begins at texel `corner`; with `fold`, columns repeat.
     #[inline(always)]
-    fn new(
+    pub(super) fn new(
         tables: &BinTables<'_>,
         forms: &'a Forms,
         footprint: &'a GaussianFootprint,
@@ -286,7 +222,7 @@ impl Page<'_> {
 
     /// `x`, less as many periods as bring it next to zero.
     #[inline(always)]
-    fn fold(&self, x: f32) -> f32 {
+    pub(super) fn fold(&self, x: f32) -> f32 {
         /// 1.5 · 2²³: adding it rounds to a whole number.
         const WHOLE: f32 = 12_582_912.0;
         let periods = (x * self.frequency + WHOLE) - WHOLE;
@@ -385,28 +321,6 @@ impl Page<'_> {
                 *weight = if meets { inside } else { 0.0 };
             }
             self.tiles.add_row(row, &weights);
-        }
-    }
-
-    /// Adds what the tiles in the rows that may hold weight weigh, and their slopes, to `all`.
-    #[inline(always)]
-    fn add_slopes(&self, all: &mut SlopingTiles) {
-        for row in self.rows.meets.clone() {
-            let y = f32::from(row) * TILE_SIDE as f32 + HALF_TILE + self.origin[1];
-            let Some(tiles) = all.0.get_mut(usize::from(row)) else {
-                return;
-            };
-            for ([sum, sum_x, sum_y], column) in tiles.iter_mut().zip(0_u16..) {
-                let x = f32::from(column) * TILE_SIDE as f32 + HALF_TILE + self.origin[0];
-                let x = self.fold(x);
-                let meets = self.forms.block.distance_squared(x, y) <= self.forms.tile_rule.end;
-                let average = exp_half(self.forms.tile.distance_squared(x, y));
-                let weight = if meets { average } else { 0.0 };
-                let [slope_x, slope_y] = self.forms.tile.slope(x, y);
-                *sum += weight;
-                *sum_x -= weight * slope_x;
-                *sum_y -= weight * slope_y;
-            }
         }
     }
 
@@ -556,73 +470,6 @@ impl Page<'_> {
     }
 }
 
-/// The tiles of a page: the average weight of a texel, in units of the tiles' form's peak, where the tile stands for its
-/// texels, 0 where it does not meet the ellipse, and [`OPENED`] where it is to be opened.
-struct Tiles([[f32; ROW]; ROW]);
-
-const OPENED: f32 = -1.0;
-
-/// The tiles of a page if all stand for their texels: the average weight of a texel and its change per texel along x and
-/// y, in units of the tiles' form's peak, all copies together.
-struct SlopingTiles([[[f32; 3]; ROW]; ROW]);
-
-impl SlopingTiles {
-    const fn new() -> Self {
-        Self([[[0.0; 3]; ROW]; ROW])
-    }
-
-    /// What tile number `tile` weighs.
-    #[inline(always)]
-    fn tile(&self, tile: u16) -> [f32; 3] {
-        let tile = usize::from(tile) % (ROW * ROW);
-        self.0.as_flattened().get(tile).copied().unwrap_or_default()
-    }
-
-    /// What the block called `name` weighs a texel.
-    #[inline(always)]
-    fn block(&self, name: u16) -> f32 {
-        let [weight, slope_x, slope_y] = self.tile(name / BLOCK_TEXELS as u16);
-        let offset = |block: u16| f32::from(block % 8) * BLOCK_SIDE as f32 - HALF_TILE;
-        (weight + slope_x * offset(name) + slope_y * offset(name / 8)).max(0.0)
-    }
-}
-
-impl Tiles {
-    const fn new() -> Self {
-        Self([[0.0; ROW]; ROW])
-    }
-
-    #[inline(always)]
-    fn add_row(&mut self, row: u16, weights: &[f32; ROW]) {
-        if let Some(sums) = self.0.get_mut(usize::from(row)) {
-            for (sum, weight) in sums.iter_mut().zip(weights) {
-                *sum += weight;
-            }
-        }
-    }
-
-    /// What tile number `tile` weighs.
-    #[inline(always)]
-    fn get(&self, tile: u16) -> f32 {
-        let tile = usize::from(tile) % (ROW * ROW);
-        self.0.as_flattened().get(tile).copied().unwrap_or_default()
-    }
-}
-
-/// Weights of the blocks of one tile, in units of the blocks' form's peak, and which blocks are to be opened.
-#[derive(Clone, Copy)]
-struct BlockWeights {
-    weights: [f32; BLOCK_TEXELS],
-    opened: u64,
-}
-
-impl BlockWeights {
-    const NONE: Self = Self {
-        weights: [0.0; BLOCK_TEXELS],
-        opened: 0,
-    };
-}
-
 /// Tiles whose blocks have been weighed: for windows with dense lists, many of which open the same tiles.
 struct BlockTable {
     /// Place among `slots` of each tile of the page.
@@ -654,37 +501,5 @@ impl BlockTable {
             self.count += 1;
         }
         self.slots.get(usize::from(*place))
-    }
-}
-
-/// A set of blocks of a page: one word a tile, a block's name over 64 being its tile's number.
-struct Opened([u64; (PAGE_TILES * PAGE_TILES) as usize]);
-
-impl Opened {
-    const fn new() -> Self {
-        Self([0; (PAGE_TILES * PAGE_TILES) as usize])
-    }
-
-    #[inline(always)]
-    fn add(&mut self, name: u16) {
-        if let Some(word) = self.0.get_mut(usize::from(name >> 6)) {
-            *word |= 1 << (name & 63);
-        }
-    }
-
-    /// Adds the blocks `blocks` of tile number `tile`.
-    #[inline(always)]
-    fn add_all(&mut self, tile: u16, blocks: u64) {
-        if let Some(word) = self.0.get_mut(usize::from(tile)) {
-            *word |= blocks;
-        }
-    }
-
-    /// The tiles in row `row` of tiles.
-    fn row(&self, row: u16) -> &[u64] {
-        let first = usize::from(row * PAGE_TILES);
-        self.0
-            .get(first..first + usize::from(PAGE_TILES))
-            .unwrap_or_default()
     }
 }

@@ -8,7 +8,9 @@ mod blocks;
 mod border;
 mod forms;
 mod positions;
+mod tables;
 mod texels;
+mod wide;
 
 pub(crate) use texels::for_each_texel;
 
@@ -120,7 +122,7 @@ fn look_up(
     let forms = Forms::new(footprint, how.tolerance, reach);
     match &target.tables.inverse {
         Inverse::Tiles(lists) if forms.tile_rule.accepts_all() => {
-            how.instructions.run(blocks::WideTraversal {
+            how.instructions.run(wide::WideTraversal {
                 target,
                 footprint,
                 forms: &forms,
