@@ -27,6 +27,7 @@
 )]
 
 mod error;
+mod fetch;
 pub mod microfacet;
 pub mod ndf;
 mod overlap;

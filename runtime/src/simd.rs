@@ -45,21 +45,6 @@ pub(crate) trait Work {
     fn run(self) -> Self::Output;
 }
 
-/// Asks for the cache line that holds the element at `place` of `elements`, if there is one, before it is needed.
-///
-/// Whoever waits for one line may as well wait for several. With the feature `simd` nothing waits here; without it the
-/// element is read, which at least lets several reads overlap.
-#[inline(always)]
-pub(crate) fn fetch<T: Copy>(elements: &[T], place: usize) {
-    let Some(element) = elements.get(place) else {
-        return;
-    };
-    #[cfg(all(feature = "simd", target_arch = "x86_64"))]
-    wide::fetch(element);
-    #[cfg(not(all(feature = "simd", target_arch = "x86_64")))]
-    core::hint::black_box(*element);
-}
-
 #[cfg(all(feature = "simd", target_arch = "x86_64"))]
 mod wide {
     use super::Work;
@@ -84,18 +69,6 @@ mod wide {
         // and does nothing but call safe code.
         unsafe {
             compiled(work)
-        }
-    }
-
-    /// Asks for the cache line of `element`.
-    #[inline(always)]
-    pub(super) fn fetch<T>(element: &T) {
-        use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        #[expect(unsafe_code, reason = "the instruction takes a pointer")]
-        // SAFETY: every x86-64 processor has the instruction; it reads nothing a program can see, and the pointer is
-        // that of a reference.
-        unsafe {
-            _mm_prefetch::<_MM_HINT_T0>(core::ptr::from_ref(element).cast());
         }
     }
 

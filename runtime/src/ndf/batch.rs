@@ -1,12 +1,8 @@
 //! Many queries in one call, as a structure of arrays.
 
-use super::Ndf;
 use crate::error::QueryError;
 use core::fmt;
 use glintbake_format::model::{Footprint, HalfVector};
-
-/// Queries that are asked for in advance: about as many as memory takes to answer.
-const AHEAD: usize = 4;
 
 /// Footprints and half vectors of many queries, one array for each coordinate, all of one length.
 ///
@@ -80,9 +76,8 @@ impl fmt::Display for BatchError {
 
 impl core::error::Error for BatchError {}
 
-/// Answers `queries` by `answer`, each while the memory of the next few is on its way.
+/// Answers `queries` by `answer`, in their order.
 pub(super) fn answer(
-    ndf: &(impl Ndf + ?Sized),
     queries: &Queries<'_>,
     answers: &mut [f64],
     answer: impl Fn(&Footprint, HalfVector) -> Result<f64, QueryError>,
@@ -91,9 +86,6 @@ pub(super) fn answer(
         return Err(BatchError::Lengths);
     }
     for (index, slot) in answers.iter_mut().enumerate() {
-        if let Some((footprint, _)) = queries.get(index + AHEAD) {
-            ndf.fetch(&footprint);
-        }
         let (footprint, half_vector) = queries.get(index).ok_or(BatchError::Lengths)?;
         *slot =
             answer(&footprint, half_vector).map_err(|error| BatchError::Query { index, error })?;

@@ -5,8 +5,8 @@
 //! texels under the footprint (eq. 11).
 
 use super::bin_weights::{
-    BinWindow, How, Lookup, Patch, bin_weights, check_finite, fetch_blocks, for_each_texel,
-    map_shape, patch_under, texel_under,
+    BinWindow, How, Lookup, Patch, bin_weights, check_finite, for_each_texel, map_shape,
+    patch_under, texel_under,
 };
 use super::{Facet, Ndf};
 use crate::error::QueryError;
@@ -52,8 +52,7 @@ pub struct FlakeBins<'a> {
     masking: Masking<'a>,
     roughness: f64,
     setting: Setting,
-    filter: Filter,
-    how: How,
+    pub(super) how: How,
 }
 
 impl<'a> FlakeBins<'a> {
@@ -71,8 +70,7 @@ impl<'a> FlakeBins<'a> {
             masking: Masking::of_map(container, instance)?,
             roughness,
             setting: Setting::default(),
-            filter: instance.filter,
-            how: How::default(),
+            how: How::new(instance),
         })
     }
 
@@ -106,7 +104,7 @@ impl<'a> FlakeBins<'a> {
     /// The same P-NDF under another filter; that of the instance unless this says otherwise.
     #[must_use]
     pub fn with_filter(mut self, filter: Filter) -> Self {
-        self.filter = filter;
+        self.how.filter = filter;
         self
     }
 
@@ -118,14 +116,14 @@ impl<'a> FlakeBins<'a> {
         self
     }
 
-    /// The filter that weighs footprints.
-    pub const fn filter(&self) -> Filter {
-        self.filter
-    }
-
     /// The setting queries are answered under.
     pub const fn setting(&self) -> Setting {
         self.setting
+    }
+
+    /// The filter that weighs footprints.
+    pub const fn filter(&self) -> Filter {
+        self.how.filter
     }
 
     /// Calls `visit(column, row, weight)` for the bins of the neighbourhood around `half_vector`'s bin that have
@@ -141,7 +139,7 @@ impl<'a> FlakeBins<'a> {
         visit: &mut dyn FnMut(u32, u32, f64),
     ) -> Result<(), QueryError> {
         check_finite(half_vector)?;
-        let patch = patch_under(&self.tables, footprint, self.filter)?;
+        let patch = patch_under(&self.tables, footprint, self.how.filter)?;
         self.weigh(&patch, half_vector, neighbourhood, visit)
     }
 
@@ -218,7 +216,7 @@ impl Ndf for FlakeBins<'_> {
     ) -> Result<(), QueryError> {
         check_finite(half_vector)?;
         // Refuse a bad footprint whatever the half vector, so that an error does not depend on the light.
-        let patch = patch_under(&self.tables, footprint, self.filter)?;
+        let patch = patch_under(&self.tables, footprint, self.how.filter)?;
         if !half_vector.is_on_disk() {
             return Ok(());
         }
@@ -266,10 +264,6 @@ impl Ndf for FlakeBins<'_> {
         }
     }
 
-    fn fetch(&self, footprint: &Footprint) {
-        fetch_blocks(&self.tables, footprint);
-    }
-
     fn sample(
         &self,
         footprint: &Footprint,
@@ -278,7 +272,7 @@ impl Ndf for FlakeBins<'_> {
         let (texel_column, texel_row) = texel_under(
             &self.tables,
             footprint,
-            self.filter,
+            self.how.filter,
             [uniform[0], uniform[1]],
         )?;
         let centre = self.normal_of_texel(texel_column, texel_row)?;

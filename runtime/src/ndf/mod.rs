@@ -15,6 +15,7 @@ pub use specular_bins::SpecularBins;
 use crate::error::QueryError;
 use crate::microfacet::Masking;
 use crate::microfacet::vector::dot;
+use bin_weights::How;
 use glintbake_format::Container;
 use glintbake_format::model::{Filter, Footprint, HalfVector, Method};
 use glintbake_format::records::Instance;
@@ -52,19 +53,12 @@ pub trait Ndf {
         visit: &mut dyn FnMut(Facet),
     ) -> Result<(), QueryError>;
 
-    /// Asks memory for what a query under `footprint` reads first. Changes no answer; what is wrong with the footprint is
-    /// for the query to say.
-    fn fetch(&self, footprint: &Footprint) {
-        let _ = footprint;
-    }
-
-    /// Writes [`eval`](Self::eval) of each of `queries` to its place in `densities`. From the second query on, the memory
-    /// a query needs is on its way before its turn comes.
+    /// Writes [`eval`](Self::eval) of each of `queries` to its place in `densities`.
     ///
     /// # Errors
     /// [`BatchError`]: arrays of different lengths, or the first query without an answer.
     fn eval_batch(&self, queries: &Queries<'_>, densities: &mut [f64]) -> Result<(), BatchError> {
-        batch::answer(self, queries, densities, |footprint, half_vector| {
+        batch::answer(queries, densities, |footprint, half_vector| {
             self.eval(footprint, half_vector)
         })
     }
@@ -74,7 +68,7 @@ pub trait Ndf {
     /// # Errors
     /// As [`eval_batch`](Self::eval_batch).
     fn pdf_batch(&self, queries: &Queries<'_>, densities: &mut [f64]) -> Result<(), BatchError> {
-        batch::answer(self, queries, densities, |footprint, half_vector| {
+        batch::answer(queries, densities, |footprint, half_vector| {
             self.pdf(footprint, half_vector)
         })
     }
@@ -164,34 +158,38 @@ impl<'a> SurfaceNdf<'a> {
 
     /// The same P-NDF under another filter; that of the instance unless this says otherwise.
     #[must_use]
-    pub fn with_filter(self, filter: Filter) -> Self {
-        match self {
-            Self::FlakeBins(ndf) => Self::FlakeBins(ndf.with_filter(filter)),
-            Self::SpecularBins(ndf) => Self::SpecularBins(ndf.with_filter(filter)),
-        }
+    pub fn with_filter(mut self, filter: Filter) -> Self {
+        self.how().filter = filter;
+        self
     }
 
     /// The same P-NDF, Gaussian footprints weighed within `tolerance`, [`DEFAULT_TOLERANCE`] unless this says otherwise.
     ///
     /// A block or a tile of texels counts by its number of them times the Gaussian's average over it if the Gaussian, in
     /// units of its peak, ranges over it by at most `tolerance`, or less where it has more texels than the Gaussian's
-    /// own area; tiles, if all of them stand for their texels, at 3.5 times that, with the Gaussian's slope over them. Where
-    /// every block stands for its texels, the Gaussian ends at 3.7 standard deviations instead of 4.8. Errors of blocks have either sign, so that those of densities are far
-    /// smaller (the default to 0.6 % in relative L1 on the sample maps). 0 weighs every texel exactly. Means nothing for
-    /// boxes, for lists of positions and for the exact setting, which never approximate.
+    /// own area; tiles, if all of them stand for their texels, at 3.5 times that, with the Gaussian's slope over them.
+    /// Where every block stands for its texels, the Gaussian ends at 3.7 standard deviations instead of 4.8. Errors of
+    /// blocks have either sign, so that those of densities are far smaller (the default to 0.6 % in relative L1 on the
+    /// sample maps). 0 weighs every texel exactly. Means nothing for boxes, for lists of positions and for the exact
+    /// setting, which never approximate.
     #[must_use]
-    pub fn with_tolerance(self, tolerance: f64) -> Self {
-        match self {
-            Self::FlakeBins(ndf) => Self::FlakeBins(ndf.with_tolerance(tolerance)),
-            Self::SpecularBins(ndf) => Self::SpecularBins(ndf.with_tolerance(tolerance)),
-        }
+    pub fn with_tolerance(mut self, tolerance: f64) -> Self {
+        self.how().tolerance = tolerance;
+        self
     }
 
     /// The filter that weighs footprints.
     pub const fn filter(&self) -> Filter {
         match self {
             Self::FlakeBins(ndf) => ndf.filter(),
-            Self::SpecularBins(ndf) => ndf.filter(),
+            Self::SpecularBins(ndf) => ndf.how.filter,
+        }
+    }
+
+    fn how(&mut self) -> &mut How {
+        match self {
+            Self::FlakeBins(ndf) => &mut ndf.how,
+            Self::SpecularBins(ndf) => &mut ndf.how,
         }
     }
 
@@ -219,10 +217,6 @@ impl Ndf for SurfaceNdf<'_> {
         visit: &mut dyn FnMut(Facet),
     ) -> Result<(), QueryError> {
         self.method().facets(footprint, half_vector, visit)
-    }
-
-    fn fetch(&self, footprint: &Footprint) {
-        self.method().fetch(footprint);
     }
 
     fn eval(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError> {

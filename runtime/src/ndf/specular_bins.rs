@@ -4,14 +4,12 @@
 //! Microstructure", 2020. `D(h) = Σ |A ∩ T_k| / (|H| |A|)` over the texels whose normal shares h's bin H (§2):
 //! the true density averaged over that bin.
 
-use super::bin_weights::{
-    BinWindow, How, bin_weights, check_finite, fetch_blocks, patch_under, texel_under,
-};
+use super::bin_weights::{BinWindow, How, bin_weights, check_finite, patch_under, texel_under};
 use super::{Facet, Ndf};
 use crate::error::QueryError;
 use crate::microfacet::Masking;
 use glintbake_format::Container;
-use glintbake_format::model::{Filter, Footprint, HalfVector};
+use glintbake_format::model::{Footprint, HalfVector};
 use glintbake_format::records::Instance;
 use glintbake_format::view::BinTables;
 
@@ -20,8 +18,7 @@ use glintbake_format::view::BinTables;
 pub struct SpecularBins<'a> {
     tables: BinTables<'a>,
     masking: Masking<'a>,
-    filter: Filter,
-    how: How,
+    pub(super) how: How,
 }
 
 impl<'a> SpecularBins<'a> {
@@ -33,29 +30,8 @@ impl<'a> SpecularBins<'a> {
         Ok(Self {
             tables: BinTables::open(container, instance)?,
             masking: Masking::of_map(container, instance)?,
-            filter: instance.filter,
-            how: How::default(),
+            how: How::new(instance),
         })
-    }
-
-    /// The same P-NDF under another filter; that of the instance unless this says otherwise.
-    #[must_use]
-    pub fn with_filter(mut self, filter: Filter) -> Self {
-        self.filter = filter;
-        self
-    }
-
-    /// The same P-NDF, Gaussian footprints weighed within `tolerance`: see
-    /// [`SurfaceNdf::with_tolerance`](super::SurfaceNdf::with_tolerance).
-    #[must_use]
-    pub fn with_tolerance(mut self, tolerance: f64) -> Self {
-        self.how.tolerance = tolerance;
-        self
-    }
-
-    /// The filter that weighs footprints.
-    pub const fn filter(&self) -> Filter {
-        self.filter
     }
 }
 
@@ -75,7 +51,7 @@ impl Ndf for SpecularBins<'_> {
         visit: &mut dyn FnMut(Facet),
     ) -> Result<(), QueryError> {
         check_finite(half_vector)?;
-        let patch = patch_under(&self.tables, footprint, self.filter)?;
+        let patch = patch_under(&self.tables, footprint, self.how.filter)?;
         if !half_vector.is_on_disk() {
             return Ok(());
         }
@@ -101,10 +77,6 @@ impl Ndf for SpecularBins<'_> {
         )
     }
 
-    fn fetch(&self, footprint: &Footprint) {
-        fetch_blocks(&self.tables, footprint);
-    }
-
     fn sample(
         &self,
         footprint: &Footprint,
@@ -113,7 +85,7 @@ impl Ndf for SpecularBins<'_> {
         let (column, row) = texel_under(
             &self.tables,
             footprint,
-            self.filter,
+            self.how.filter,
             [uniform[0], uniform[1]],
         )?;
         let grid = self.tables.instance.grid;

@@ -6,8 +6,8 @@ use super::scan::missing;
 use super::sums::Sums;
 use super::window::{KeyRuns, RUNS, WINDOW};
 use crate::error::QueryError;
+use crate::fetch::fetch;
 use crate::overlap::TexelBox;
-use crate::simd::fetch;
 use core::ops::Range;
 use glintbake_format::model::{
     BLOCK_SIDE, BLOCK_TEXELS, PAGE_SIDE, TILE_SIDE, block_name, block_place,
@@ -239,7 +239,7 @@ fn search<T>(records: &[T], guess: usize, before: impl Fn(&T) -> bool) -> usize 
 }
 
 /// The pages, of `count` in a row, that a footprint from `low` to `high` meets.
-fn page_range(low: f64, high: f64, count: u32, unbounded: bool) -> Range<u32> {
+pub(super) fn page_range(low: f64, high: f64, count: u32, unbounded: bool) -> Range<u32> {
     let page = |texel: f64| libm::floor(texel / f64::from(PAGE_SIDE));
     let last = f64::from(count) - 1.0;
     if !unbounded && (high < 0.0 || page(low) > last) {

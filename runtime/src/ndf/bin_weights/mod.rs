@@ -20,11 +20,11 @@ pub(crate) use window::BinWindow;
 use crate::error::QueryError;
 use crate::overlap::{GaussianFootprint, Outline, Parallelogram};
 use crate::scan::{Budget, MapShape};
-use crate::simd::{Instructions, fetch};
+use crate::simd::Instructions;
 use frame::Frame;
-use glintbake_format::model::{BLOCK_SIDE, BLOCK_TEXELS, Filter, Footprint, HalfVector};
-use glintbake_format::records::LISTS;
-use glintbake_format::view::{BinTables, Inverse, KeyLayout, Keys};
+use glintbake_format::model::{Filter, Footprint, HalfVector};
+use glintbake_format::records::{Instance, LISTS};
+use glintbake_format::view::{BinTables, Inverse};
 use sums::Sums;
 use window::KeyRuns;
 
@@ -43,18 +43,22 @@ pub enum Lookup {
 /// Tolerance of Gaussian footprints where none is named.
 pub const DEFAULT_TOLERANCE: f64 = 0.125;
 
-/// How a query goes about it: but for `tolerance` the answer is the same.
+/// How footprints are weighed. Whatever the look-up and the instructions, the answer is the same.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct How {
+    /// See [`SurfaceNdf::with_filter`](super::SurfaceNdf::with_filter).
+    pub filter: Filter,
     pub lookup: Lookup,
     pub instructions: Instructions,
     /// See [`SurfaceNdf::with_tolerance`](super::SurfaceNdf::with_tolerance).
     pub tolerance: f64,
 }
 
-impl Default for How {
-    fn default() -> Self {
+impl How {
+    /// As `instance` asks for, and where it says nothing by default.
+    pub fn new(instance: &Instance) -> Self {
         Self {
+            filter: instance.filter,
             lookup: Lookup::default(),
             instructions: Instructions::default(),
             tolerance: DEFAULT_TOLERANCE,
@@ -240,42 +244,6 @@ pub(crate) fn texel_under(
         }
         Patch::Gaussian(footprint) => shape.fold(footprint.sample(uniform)),
     })
-}
-
-/// Asks for the blocks of the bin map at the corners of the bounding box of `footprint`: all there are to read of a small
-/// one, the first of many of a large one.
-pub(crate) fn fetch_blocks(tables: &BinTables<'_>, footprint: &Footprint) {
-    let KeyLayout::Blocks(layout) = tables.bin_map.layout else {
-        return;
-    };
-    let instance = &tables.instance;
-    // A cast saturates, and takes what is no number to 0.
-    let texel = |coordinate: f64, size: u32| {
-        let fraction = coordinate - libm::floor(coordinate);
-        ((fraction * f64::from(size)) as u32).min(size.saturating_sub(1))
-    };
-    let [u, v] = footprint.centre;
-    let [[edge_1_u, edge_1_v], [edge_2_u, edge_2_v]] = [footprint.edge_1, footprint.edge_2];
-    let reach_u = 0.5 * (edge_1_u.abs() + edge_2_u.abs());
-    let reach_v = 0.5 * (edge_1_v.abs() + edge_2_v.abs());
-    for row in [v - reach_v, v + reach_v] {
-        for column in [u - reach_u, u + reach_u] {
-            let place = layout.block(
-                texel(column, instance.width) / BLOCK_SIDE,
-                texel(row, instance.height) / BLOCK_SIDE,
-            );
-            match tables.bin_map.keys {
-                Keys::Narrow(keys) => {
-                    fetch(keys, place);
-                    fetch(keys, place + BLOCK_TEXELS / 2);
-                }
-                Keys::Wide(keys) => {
-                    fetch(keys, place);
-                    fetch(keys, place + BLOCK_TEXELS / 2);
-                }
-            }
-        }
-    }
 }
 
 /// Refuses a half vector that is no point.

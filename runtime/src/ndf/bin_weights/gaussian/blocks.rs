@@ -5,12 +5,13 @@ use super::forms::{Forms, exp_half};
 use super::tables::{BlockWeights, OPENED, Opened, Tiles};
 use super::texels::{add_block, rows};
 use crate::error::QueryError;
-use crate::ndf::bin_weights::block_lists::{TileRows, WindowLists};
+use crate::fetch::fetch;
+use crate::ndf::bin_weights::block_lists::{TileRows, WindowLists, page_range};
 use crate::ndf::bin_weights::keys::StoredKey;
 use crate::ndf::bin_weights::scan::missing;
 use crate::overlap::{GaussianFootprint, TexelBox};
 use crate::scan::MapShape;
-use crate::simd::{Work, fetch};
+use crate::simd::Work;
 use core::ops::Range;
 use glintbake_format::model::{BLOCK_SIDE, BLOCK_TEXELS, PAGE_SIDE, TILE_SIDE, Wrap, block_place};
 use glintbake_format::view::{BinTables, BlockList, BlockLists, Keys};
@@ -59,9 +60,9 @@ impl Work for Traversal<'_, '_> {
         let columns = if fold {
             0..lists.layout.columns
         } else {
-            page_range(bounds.low[0], bounds.high[0], lists.layout.columns)
+            page_range(bounds.low[0], bounds.high[0], lists.layout.columns, false)
         };
-        for page_row in page_range(bounds.low[1], bounds.high[1], lists.layout.rows) {
+        for page_row in page_range(bounds.low[1], bounds.high[1], lists.layout.rows, false) {
             for page_column in columns.clone() {
                 let corner = [page_column, page_row].map(|place| place * PAGE_SIDE);
                 let mut page = Page::new(target.tables, forms, footprint, corner, fold);
@@ -93,16 +94,6 @@ impl Work for Traversal<'_, '_> {
         }
         Ok(())
     }
-}
-
-/// The pages, of `count` in a row, that hold texels from `low` to `high`.
-fn page_range(low: f64, high: f64, count: u32) -> Range<u32> {
-    let page = |texel: f64| libm::floor(texel / f64::from(PAGE_SIDE));
-    let last = f64::from(count) - 1.0;
-    if high < 0.0 || page(low) > last {
-        return 0..0;
-    }
-    page(low).max(0.0) as u32..page(high).min(last) as u32 + 1
 }
 
 /// The rows of blocks that are weighed.

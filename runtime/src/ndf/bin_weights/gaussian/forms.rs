@@ -67,12 +67,12 @@ impl Form {
     }
 }
 
-/// `e^(-q/2)` within 3e-6 of its value for q in [0, 240], and as at 240 beyond.
+/// `e^(-q/2)` within 1e-5 of its value for q in [0, 170], and as at 170 beyond, where it would leave the normal numbers.
 #[inline(always)]
 pub(super) fn exp_half(q: f32) -> f32 {
     /// 1.5 · 2²³: adding it rounds to a whole number, which is then in the low bits.
     const WHOLE: f32 = 12_582_912.0;
-    let y = q.min(240.0) * (-0.5 * LOG2_E) as f32;
+    let y = q.min(170.0) * (-0.5 * LOG2_E) as f32;
     let shifted = y + WHOLE;
     let rest = y - (shifted - WHOLE);
     let power = f32::from_bits(shifted.to_bits().wrapping_add(127) << 23);
@@ -243,5 +243,109 @@ fn accepted(half: f64, tolerance: f64) -> Accepted {
     Accepted::Beyond {
         near: if fits(near) { near } else { -1.0 },
         far: if fits(far) { far } else { f64::INFINITY },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glintbake_format::model::{Footprint, Wrap};
+
+    /// The Gaussian of deviations `long` and `short` texels, turned by `angle`, on a large map.
+    fn gaussian(long: f64, short: f64, angle: f64) -> GaussianFootprint {
+        let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
+        let edge = |length: f64, x: f64, y: f64| [x, y].map(|part| 2.0 * length * part / 4096.0);
+        let footprint = Footprint {
+            centre: [0.5, 0.5],
+            edge_1: edge(long, cosine, sine),
+            edge_2: edge(short, -sine, cosine),
+        };
+        GaussianFootprint::new(&footprint, 4096, 4096, Wrap::Repeat).expect("in range")
+    }
+
+    /// The range, in units of the peak, of the Gaussian averaged over blocks over the square of `side` texels around
+    /// (`x`, `y`), by points.
+    fn range(gaussian: &GaussianFootprint, x: f64, y: f64, side: f64) -> f64 {
+        let added = f64::from(BLOCK_SIDE * BLOCK_SIDE) / 12.0;
+        let [xx, yy, xy] = gaussian.covariance();
+        let (xx, yy) = (xx + added, yy + added);
+        let determinant = xx * yy - xy * xy;
+        let (mut least, mut greatest) = (f64::INFINITY, 0.0_f64);
+        for point in 0..33 * 33 {
+            let [dx, dy] =
+                [point % 33, point / 33].map(|step| (f64::from(step) / 32.0 - 0.5) * side);
+            let (x, y) = (x + dx, y + dy);
+            let square = (yy * x * x - 2.0 * xy * x * y + xx * y * y) / determinant;
+            let value = libm::exp(-0.5 * square);
+            (least, greatest) = (least.min(value), greatest.max(value));
+        }
+        greatest - least
+    }
+
+    #[test]
+    fn what_is_accepted_ranges_by_the_tolerance_at_most() {
+        let (mut accepted, mut refused, mut close) = (0, 0, 0);
+        for case in 0..3000_u32 {
+            let turn = f64::from(case) * 0.618_034;
+            let short = 4.0 * libm::exp(4.0 * (turn * 7.3 % 1.0));
+            let long = short * libm::exp(1.5 * (turn * 3.1 % 1.0));
+            let tolerance = 0.02 * libm::exp(3.0 * (turn * 5.7 % 1.0));
+            let gaussian = gaussian(long, short, turn);
+            let forms = Forms::new(&gaussian, tolerance, 4096.0);
+            let (distance, around) = (4.0 * (turn * 11.9 % 1.0) * long, turn * 2.7);
+            let (x, y) = (distance * libm::cos(around), distance * libm::sin(around));
+            let q = forms.block.distance_squared(x as f32, y as f32);
+            let all_tiles = forms.tile_rule.accepts_all();
+            for (rule, side) in [(forms.block_rule, BLOCK_SIDE), (forms.tile_rule, TILE_SIDE)] {
+                let sloping = if side == TILE_SIDE && all_tiles {
+                    SLOPING
+                } else {
+                    1.0
+                };
+                let share = f64::from(side * side) / (2.0 * PI * gaussian.determinant_root());
+                let allowed = sloping * tolerance / share.max(1.0);
+                let range = range(&gaussian, x, y, f64::from(side));
+                if rule.accepts(q) {
+                    accepted += 1;
+                    close += u32::from(range > 0.5 * allowed);
+                    assert!(
+                        range <= allowed * 1.001,
+                        "{range} of {allowed}, case {case}"
+                    );
+                } else {
+                    refused += 1;
+                }
+            }
+        }
+        // Neither side of the rule is empty, nor is it far too strict.
+        assert!(
+            accepted > 1000 && refused > 1000 && close > 100,
+            "{accepted} {refused} {close}"
+        );
+    }
+
+    #[test]
+    fn the_fast_exponential_and_the_slope_are_right() {
+        for step in 0..=1700_u16 {
+            let q = f32::from(step) * 0.1;
+            let exact = libm::exp(-0.5 * f64::from(q));
+            assert!((f64::from(exp_half(q)) / exact - 1.0).abs() < 1e-5, "{q}");
+        }
+        assert_eq!(exp_half(1e9), exp_half(170.0));
+        let form = Forms::new(&gaussian(90.0, 40.0, 0.7), 0.1, 4096.0).tile;
+        for (x, y) in [(0.0, 0.0), (30.0, -70.0), (-120.0, 15.0)] {
+            let [along_x, along_y] = form.slope(x, y);
+            let q = |x, y| f64::from(form.distance_squared(x, y));
+            let numeric = [
+                (q(x + 1.0, y) - q(x - 1.0, y)) / 4.0,
+                (q(x, y + 1.0) - q(x, y - 1.0)) / 4.0,
+            ];
+            for (slope, numeric) in [along_x, along_y].into_iter().zip(numeric) {
+                assert!(
+                    (f64::from(slope) - numeric).abs() < 1e-5,
+                    "{slope} {numeric}"
+                );
+            }
+        }
     }
 }
