@@ -24,6 +24,7 @@ const ROUNDS: usize = 7;
 const QUERIES: usize = 64;
 
 fn main() {
+    println!("simd: {}\n", Instructions::Fastest.name());
     println!(
         "{:<10} {:>6} {:>9} {:>9} {:>7} {:>9} {:>9} {:>9}",
         "map", "edge", "box µs", "gauss µs", "ratio", "simd µs", "exact µs", "rel. L1"

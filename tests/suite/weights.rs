@@ -28,7 +28,7 @@ fn all_weights(ndf: &FlakeBins<'_>, footprint: &Footprint) -> BTreeMap<(u32, u32
             &mut |x, y, weight| {
                 let previous = weights.insert((x, y), weight);
                 assert!(
-                    previous.is_none_or(|previous| (previous - weight).abs() < 1e-15),
+                    previous.is_none_or(|previous| previous == weight),
                     "two windows disagree about bin ({x}, {y})"
                 );
             },

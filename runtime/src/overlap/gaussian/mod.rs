@@ -195,7 +195,7 @@ impl GaussianFootprint {
         self.least
     }
 
-    /// Whether [`density_at`](Self::density_at) gives the weights of texels.
+    /// Whether every standard deviation is at least 2 texels, so that texels are taken as a whole.
     pub fn is_smooth(&self) -> bool {
         self.smooth.is_whole()
     }
@@ -289,26 +289,6 @@ impl GaussianFootprint {
                 &thin.rows(y - 0.5, y + 0.5),
             ),
         }
-    }
-
-    /// The weight of a texel centred at (`x`, `y`), as if the Gaussian had no end; meaningful only if
-    /// [`is_smooth`](Self::is_smooth).
-    ///
-    /// Without the fourth derivatives that [`texel_weight`](Self::texel_weight) adds: within 1.3e-4 (2/σ)⁴ of the peak.
-    #[cfg(test)]
-    pub fn density_at(&self, x: f64, y: f64) -> f64 {
-        self.smooth.density(self.offset(x, 0), self.offset(y, 1))
-    }
-
-    /// Least and greatest [`density_at`](Self::density_at) over the square block of `size` texels from (`x`, `y`).
-    ///
-    /// Exact but for 1e-9 of slack. The centres of the block's texels lie within; multiply by the number of texels for
-    /// the range of the block's weight.
-    #[cfg(test)]
-    pub fn block_bounds(&self, x: f64, y: f64, size: f64) -> (f64, f64) {
-        let half = 0.5 * size;
-        self.smooth
-            .bounds(self.offset(x + half, 0), self.offset(y + half, 1), half)
     }
 
     /// Column and row of the texel, of this or any other tile, under a point drawn from the Gaussian within the ellipse

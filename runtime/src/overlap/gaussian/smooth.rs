@@ -31,9 +31,6 @@ pub(super) struct Smooth {
     lean: f64,
     /// `1 / l₂₂`.
     inverse_22: f64,
-    /// The mean of y at x = 1.
-    #[cfg(test)]
-    rise: f64,
     /// Diagonal and off-diagonal of `S⁻¹`: xx, yy, xy.
     precision: [f64; 3],
     /// Weight of a part at the centre, corrections aside.
@@ -83,8 +80,6 @@ impl Smooth {
             inverse_11: 1.0 / root_yy,
             lean,
             inverse_22: root_yy / root,
-            #[cfg(test)]
-            rise: xy / xx,
             precision: [yy / determinant, xx / determinant, -xy / determinant],
             peak: 1.0 / (2.0 * PI * root * count * count * (1.0 - LOST)),
             fourth: 1.0 / (2880.0 * count * count * count * count),
@@ -123,49 +118,6 @@ impl Smooth {
         } else {
             None
         }
-    }
-
-    /// The smoothed density at (`x`, `y`), without the fourth derivatives.
-    #[cfg(test)]
-    pub fn density(&self, x: f64, y: f64) -> f64 {
-        self.peak * exp_negative(0.5 * self.distance_squared(x, y))
-    }
-
-    /// Least and greatest [`density`](Self::density) over the square of half side `half` centred at (`x`, `y`).
-    #[cfg(test)]
-    pub fn bounds(&self, x: f64, y: f64, half: f64) -> (f64, f64) {
-        let [first, second] = self.unit(x, y);
-        let [xx, yy, xy] = self.precision;
-        // Half the gradient of the square of the distance q: S⁻¹ (x, y).
-        let slope_x = second * self.inverse_22;
-        let slope_y = first * self.inverse_11 - self.lean * slope_x;
-        // q is convex, so its maximum is at a corner: q + 2 δ · S⁻¹ (x, y) + δ · S⁻¹ δ with δ = (±half, ±half).
-        let along = 2.0 * ((slope_x + slope_y).abs() + half * xy);
-        let across = 2.0 * ((slope_x - slope_y).abs() - half * xy);
-        let square = first * first + second * second;
-        let farthest = square + half * (half * (xx + yy) + along.max(across));
-        // Its minimum is at the centre, or on a side that faces the centre: there at the least point of the side's
-        // line, or at the end next to it.
-        let mut nearest = f64::INFINITY;
-        if x.abs() > half {
-            let side = x - half.copysign(x);
-            let best = (self.rise * side).max(y - half).min(y + half);
-            nearest = self.distance_squared(side, best);
-        }
-        if y.abs() > half {
-            let side = y - half.copysign(y);
-            let best = (self.lean * side).max(x - half).min(x + half);
-            nearest = nearest.min(self.distance_squared(best, side));
-        }
-        if nearest == f64::INFINITY {
-            nearest = 0.0;
-        }
-        // Ten times the error of the exponential, so that the bounds hold for the densities as computed.
-        let bound = |square: f64| self.peak * exp_negative(0.5 * square);
-        (
-            bound(farthest) * (1.0 - 1e-9),
-            bound(nearest) * (1.0 + 1e-9),
-        )
     }
 
     /// The row of texels whose centres are `y` below the Gaussian's.

@@ -140,47 +140,6 @@ fn a_footprint_is_the_same_from_every_tile() {
 }
 
 #[test]
-fn block_bounds_are_the_densitys_extremes() {
-    let mut random = Random(25);
-    let mut close = 0;
-    for _ in 0..4000 {
-        let footprint = any(&mut random, 2.0, 60.0);
-        let size = libm::exp2(random.whole(0, 9) as f64);
-        let [column, row] = footprint.sample([0.999 * random.unit(), random.unit()]);
-        let x = column as f64 - libm::floor(random.unit() * size);
-        let y = row as f64 - libm::floor(random.unit() * size);
-        let (least, greatest) = footprint.block_bounds(x, y, size);
-        // Corners and edges are among these points, so the least is met, and the greatest nearly.
-        let (mut seen_least, mut seen_greatest) = (f64::INFINITY, 0.0_f64);
-        for point in 0..33 * 33 {
-            let (i, j) = (f64::from(point % 33), f64::from(point / 33));
-            let density = footprint.density_at(x + i / 32.0 * size, y + j / 32.0 * size);
-            assert!((least..=greatest).contains(&density), "{density:e}");
-            seen_least = seen_least.min(density);
-            seen_greatest = seen_greatest.max(density);
-        }
-        assert!(least > seen_least * (1.0 - 1e-8));
-        // The greatest is half a step away from a point at most, along directions in which it is stationary.
-        let step = size / 64.0 / footprint.least_deviation();
-        if step < 0.1 {
-            close += 1;
-            assert!(seen_greatest >= greatest * (1.0 - step * step - 1e-8));
-        }
-    }
-    assert!(close > 1000, "{close}");
-}
-
-#[test]
-fn blocks_far_away_have_no_density_but_bounds() {
-    let footprint = gaussian([500.0, 500.0], 3.0, 2.5, 0.3);
-    let (least, greatest) = footprint.block_bounds(1e6, -1e6, 64.0);
-    assert!(least > 0.0 && least <= greatest && greatest < 1e-200);
-    let (least, greatest) = footprint.block_bounds(400.0, 400.0, 256.0);
-    assert!((greatest / footprint.density_at(500.0, 500.0) - 1.0).abs() < 1e-8);
-    assert!(least < 1e-200);
-}
-
-#[test]
 fn samples_fall_on_texels_with_weight_by_their_weights() {
     let mut random = Random(26);
     let count = 200_000;
