@@ -6,8 +6,10 @@
 pub mod args;
 pub mod commands;
 pub mod exit;
+pub mod measure;
 pub mod output;
 pub mod picture;
+pub mod report;
 
 use args::{Cli, Command};
 use clap::Parser;

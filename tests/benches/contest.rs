@@ -10,6 +10,10 @@
 
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::{MethodRecipe, Recipe, bake};
+use glintbake_cli::measure::baselines::paper_forest::{
+    LEAF_SIZE, PaperForest, PaperLookup, Traversal,
+};
+use glintbake_cli::measure::baselines::plain_scan::PlainScan;
 use glintbake_format::model::{
     BinGrid, Binning, Footprint, HalfVector, Method, Neighbourhood, Wrap, disk_grid_resolution,
 };
@@ -17,8 +21,6 @@ use glintbake_runtime::microfacet::beckmann;
 use glintbake_runtime::{FlakeBins, Package, SurfaceNdf};
 use glintbake_samples::{Kind, Options, generate};
 use glintbake_tests::fixtures::Stream;
-use glintbake_tests::paper_forest::{LEAF_SIZE, PaperForest, PaperLookup, Traversal};
-use glintbake_tests::plain_scan::PlainScan;
 use std::f64::consts::{PI, SQRT_2, TAU};
 use std::time::Instant;
 

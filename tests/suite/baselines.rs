@@ -2,11 +2,13 @@
 
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::oracle;
+use glintbake_cli::measure::baselines::paper_forest::{
+    LEAF_SIZE, PaperForest, PaperLookup, Traversal,
+};
+use glintbake_cli::measure::baselines::plain_scan::PlainScan;
 use glintbake_format::model::{BinGrid, Binning, Footprint, HalfVector, Neighbourhood, Wrap};
 use glintbake_samples::Kind;
 use glintbake_tests::fixtures::{Stream, sample_map};
-use glintbake_tests::paper_forest::{LEAF_SIZE, PaperForest, PaperLookup, Traversal};
-use glintbake_tests::plain_scan::PlainScan;
 use glintbake_tests::tolerances::WEIGHT;
 use std::collections::BTreeMap;
 

@@ -211,6 +211,26 @@ pub(super) fn bin_centre((column, row): (u32, u32), side: u32) -> [f64; 3] {
     direction(middle(column), middle(row))
 }
 
+/// The centre, as a point of the disk, and the bin (column, row) of the normal (s, t), for Beckmann roughness `alpha`.
+pub fn bin_of_normal([s, t]: [f64; 2], alpha: f64) -> ([f64; 2], (u32, u32)) {
+    let side = resolution(alpha);
+    let bin = bin_of(s, t, side);
+    let [s, t, _] = bin_centre(bin, side);
+    ([s, t], bin)
+}
+
+/// Whether `bin` is in `neighbourhood` of the bin of `h`: a half vector that a flake at the centre of `bin` sends out
+/// counts in eq. 15 only if it is.
+pub fn neighbourhood_holds(
+    h: HalfVector,
+    bin: (u32, u32),
+    alpha: f64,
+    neighbourhood: Neighbourhood,
+) -> bool {
+    let side = resolution(alpha);
+    neighbours(bin_of(h.s, h.t, side), side, neighbourhood).any(|other| other == bin)
+}
+
 /// The bins of the grid in the square around `centre`, without its corners: 7 × 7 or 5 × 5.
 pub(super) fn neighbours(
     centre: (u32, u32),

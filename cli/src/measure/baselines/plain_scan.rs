@@ -5,9 +5,9 @@
 //! register at a time, with the runs of keys that the window's rows are. Of the texels whose key is wanted those that
 //! lie wholly inside are counted, and the few at the row's ends clipped.
 
-use crate::paper_forest::bins;
-use crate::parallelogram::{Parallelogram, Relation};
-use crate::window::{self, MOST_BINS, MOST_ROWS};
+use super::paper_forest::bins;
+use super::parallelogram::{Parallelogram, Relation};
+use super::window::{self, MOST_BINS, MOST_ROWS};
 use glintbake_bake::normals::NormalMap;
 use glintbake_format::model::{BinGrid, Footprint, HalfVector, Neighbourhood, Wrap};
 use std::array;

@@ -12,8 +12,8 @@
 //! authors' released code takes them as in or out by their middle). A map is taken to repeat. And no small footprint
 //! is evaluated texel by texel instead (§4.1): that is `plain_scan`'s row of the contest.
 
-use crate::parallelogram::{Parallelogram, Relation};
-use crate::window::{self, MOST_BINS};
+use super::parallelogram::{Parallelogram, Relation};
+use super::window::{self, MOST_BINS};
 use glintbake_bake::normals::NormalMap;
 use glintbake_format::model::{BinGrid, Footprint, HalfVector, Neighbourhood, Wrap};
 

@@ -1,0 +1,7 @@
+//! What the methods are measured against, and nothing else: none of it is part of the product, and none of it shares
+//! code with the baker or the runtime but the definition of bins.
+
+pub mod paper_forest;
+pub mod parallelogram;
+pub mod plain_scan;
+pub mod window;

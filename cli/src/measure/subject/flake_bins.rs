@@ -1,0 +1,119 @@
+//! `flake-bins`: 45 bins, the paper's 21, and each texel's own normal.
+
+use super::{Patch, Reference, Subject, Variant, draw};
+use glintbake_bake::MethodRecipe;
+use glintbake_bake::oracle::flake_bins::{self as oracle, Prepared};
+use glintbake_format::model::{Filter, HalfVector, Method, Neighbourhood};
+use glintbake_format::records::InverseKind;
+use glintbake_runtime::Setting;
+
+pub(super) struct FlakeBins;
+
+impl Subject for FlakeBins {
+    fn method(&self) -> Method {
+        Method::FlakeBins
+    }
+
+    fn is_rough(&self) -> bool {
+        true
+    }
+
+    fn variants(&self, filter: Filter) -> Vec<Variant> {
+        let recipe = || MethodRecipe::new(self.method(), &[]);
+        let binned = |neighbourhood: Neighbourhood| Variant {
+            name: neighbourhood.name().to_owned(),
+            is_paper: false,
+            recipe: recipe(),
+            setting: Some(Setting::Binned(neighbourhood)),
+            tolerance: None,
+        };
+        let mut variants = vec![
+            binned(Neighbourhood::Bins45),
+            Variant {
+                name: "paper".to_owned(),
+                is_paper: true,
+                recipe: MethodRecipe {
+                    inverse: Some(InverseKind::Forest),
+                    leaf_size: 10,
+                    ..recipe()
+                },
+                ..binned(Neighbourhood::Bins21)
+            },
+            Variant {
+                name: Setting::Exact.name().to_owned(),
+                is_paper: false,
+                recipe: MethodRecipe {
+                    exact_normals: true,
+                    ..recipe()
+                },
+                setting: Some(Setting::Exact),
+                tolerance: None,
+            },
+        ];
+        if filter == Filter::Gaussian {
+            variants.push(Variant {
+                name: "bins-45, tolerance 0".to_owned(),
+                tolerance: Some(0.0),
+                ..binned(Neighbourhood::Bins45)
+            });
+        }
+        variants
+    }
+
+    fn model(&self, variant: &Variant, patch: &Patch<'_>, roughness: f64) -> Box<dyn Reference> {
+        let setting = match variant.setting {
+            Some(Setting::Exact) => oracle::Setting::Exact,
+            Some(Setting::Binned(neighbourhood)) => oracle::Setting::Binned(neighbourhood),
+            None => oracle::Setting::Binned(Neighbourhood::default()),
+        };
+        reference(patch, roughness, setting)
+    }
+
+    fn truth(&self, _: &Variant, patch: &Patch<'_>, roughness: f64) -> Box<dyn Reference> {
+        reference(patch, roughness, oracle::Setting::Exact)
+    }
+}
+
+fn reference(patch: &Patch<'_>, alpha: f64, setting: oracle::Setting) -> Box<dyn Reference> {
+    Box::new(Flakes {
+        alpha,
+        setting,
+        prepared: Prepared::from_weights(patch.map, &patch.weights, alpha, setting),
+    })
+}
+
+struct Flakes {
+    alpha: f64,
+    setting: oracle::Setting,
+    prepared: Prepared,
+}
+
+impl Reference for Flakes {
+    fn ndf(&self, half_vector: HalfVector) -> f64 {
+        self.prepared.ndf(half_vector)
+    }
+
+    fn pdf(&self, half_vector: HalfVector) -> f64 {
+        self.prepared.pdf(half_vector)
+    }
+
+    fn draw(&self, patch: &Patch<'_>, uniform: [f64; 4]) -> Option<HalfVector> {
+        let normal = patch.normal_by_weight(uniform[0]);
+        let (centre, neighbourhood) = match self.setting {
+            oracle::Setting::Exact => (normal, None),
+            oracle::Setting::Binned(neighbourhood) => {
+                let (centre, bin) = oracle::bin_of_normal(normal, self.alpha);
+                (centre, Some((bin, neighbourhood)))
+            }
+        };
+        let half_vector = draw::beckmann(centre, self.alpha, [uniform[2], uniform[3]])?;
+        match neighbourhood {
+            // The model looks for bins around the half vector's own, so what is drawn from beyond is lost.
+            Some((bin, neighbourhood)) => {
+                oracle::neighbourhood_holds(half_vector, bin, self.alpha, neighbourhood)
+                    .then_some(half_vector)
+            }
+            None => Some(half_vector),
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! What can be measured: each method with its variants, its own model and the truth of its kernel.
+//!
+//! A method joins reports and stress checks by one file here and one row of [`REGISTRY`].
+
+mod draw;
+mod flake_bins;
+mod specular_bins;
+
+use glintbake_bake::MethodRecipe;
+use glintbake_bake::normals::NormalMap;
+use glintbake_bake::oracle::{TexelWeight, texel_weights};
+use glintbake_format::model::{Filter, Footprint, HalfVector, Method};
+use glintbake_runtime::{QueryError, Setting, SurfaceNdf};
+
+/// Every method, in the order of its code.
+pub const REGISTRY: &[&dyn Subject] = &[&flake_bins::FlakeBins, &specular_bins::SpecularBins];
+
+/// The subject of `method`.
+///
+/// # Panics
+/// If a method of the format is not in the registry, which a test rules out.
+pub fn find(method: Method) -> &'static dyn Subject {
+    REGISTRY
+        .iter()
+        .copied()
+        .find(|subject| subject.method() == method)
+        .expect("every method of the format is in the registry")
+}
+
+/// A method as reports and stress checks see it.
+pub trait Subject: Sync {
+    /// The method this is.
+    fn method(&self) -> Method;
+
+    /// Whether the method is baked for roughnesses.
+    fn is_rough(&self) -> bool;
+
+    /// The settings worth comparing, the default first, for footprints weighed by `filter`.
+    fn variants(&self, filter: Filter) -> Vec<Variant>;
+
+    /// What the method would answer under `patch` if it did its own sum without any error: its model, in f64.
+    ///
+    /// `roughness` is Beckmann's α; methods that are not rough ignore it.
+    fn model(&self, variant: &Variant, patch: &Patch<'_>, roughness: f64) -> Box<dyn Reference>;
+
+    /// The common truth of the method's kernel under `patch`: every texel with its own normal.
+    fn truth(&self, variant: &Variant, patch: &Patch<'_>, roughness: f64) -> Box<dyn Reference>;
+}
+
+/// A setting of a method: how it is baked, and how it is asked.
+#[derive(Clone, Debug)]
+pub struct Variant {
+    /// Its name among those of the method, such as `bins-45`.
+    pub name: String,
+    /// Whether this is what a paper prints, rather than what is recommended.
+    pub is_paper: bool,
+    /// How it is baked, without roughness.
+    pub recipe: MethodRecipe,
+    /// The setting of queries, if the method has any.
+    pub setting: Option<Setting>,
+    /// The tolerance of Gaussian footprints, if it is not the default.
+    pub tolerance: Option<f64>,
+}
+
+impl Variant {
+    /// The recipe for the roughness α `roughness`.
+    pub fn recipe_for(&self, roughness: f64) -> MethodRecipe {
+        MethodRecipe {
+            roughness: if find(self.recipe.method).is_rough() {
+                vec![roughness]
+            } else {
+                Vec::new()
+            },
+            ..self.recipe.clone()
+        }
+    }
+
+    /// `ndf`, baked by [`recipe_for`](Self::recipe_for), asked as this variant asks, with footprints weighed by `filter`.
+    ///
+    /// # Errors
+    /// As [`SurfaceNdf::with_setting`].
+    pub fn ask<'a>(
+        &self,
+        ndf: SurfaceNdf<'a>,
+        filter: Filter,
+    ) -> Result<SurfaceNdf<'a>, QueryError> {
+        let mut ndf = ndf.with_filter(filter);
+        if let Some(tolerance) = self.tolerance {
+            ndf = ndf.with_tolerance(tolerance);
+        }
+        match self.setting {
+            Some(setting) => ndf.with_setting(setting),
+            None => Ok(ndf),
+        }
+    }
+}
+
+/// A footprint on a map with the weights of its texels, from the oracle.
+#[derive(Clone, Debug)]
+pub struct Patch<'m> {
+    /// The map.
+    pub map: &'m NormalMap,
+    /// The footprint.
+    pub footprint: Footprint,
+    /// How it weighs texels.
+    pub filter: Filter,
+    /// Every texel with weight, row-major, adding up to 1.
+    pub weights: Vec<TexelWeight>,
+}
+
+impl<'m> Patch<'m> {
+    /// The patch of `map` under `footprint`. Costs one clipped polygon or integral for each texel.
+    ///
+    /// # Panics
+    /// As [`texel_weights`].
+    pub fn new(map: &'m NormalMap, footprint: &Footprint, filter: Filter) -> Self {
+        Self {
+            map,
+            footprint: *footprint,
+            filter,
+            weights: texel_weights(map, footprint, filter),
+        }
+    }
+
+    /// The point of the disk of the texel that `uniform` in [0, 1) chooses by weight.
+    fn normal_by_weight(&self, uniform: f64) -> [f64; 2] {
+        let mut left = uniform;
+        // Rounding may leave a little beyond the last texel, which then takes it.
+        let mut chosen = None;
+        for texel in &self.weights {
+            chosen = Some(texel);
+            left -= texel.weight;
+            if left < 0.0 {
+                break;
+            }
+        }
+        let texel = chosen.expect("a footprint lies on at least one texel");
+        let index = texel.row as usize * self.map.width() as usize + texel.column as usize;
+        self.map.texels()[index].map(f64::from)
+    }
+}
+
+/// What is true under one footprint, by some definition of it: densities in f64, shared with no fast path.
+pub trait Reference: Send + Sync {
+    /// The density `D` at `half_vector`, per steradian; 0 outside the disk.
+    fn ndf(&self, half_vector: HalfVector) -> f64;
+
+    /// The density, per solid angle of the half vector, with which a sampler of this distribution draws `half_vector`.
+    fn pdf(&self, half_vector: HalfVector) -> f64;
+
+    /// A half vector drawn with density [`pdf`](Self::pdf) by four numbers in [0, 1), or `None` with the probability
+    /// that it leaves over. Not the runtime's sampler. `patch` is the one the reference was made for.
+    fn draw(&self, patch: &Patch<'_>, uniform: [f64; 4]) -> Option<HalfVector>;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glintbake_format::model::METHODS;
+
+    #[test]
+    fn every_method_of_the_format_is_one_subject_with_variants() {
+        for &method in METHODS {
+            let subjects = REGISTRY.iter().filter(|subject| subject.method() == method);
+            assert_eq!(subjects.count(), 1, "{}", method.name());
+            for filter in [Filter::Box, Filter::Gaussian] {
+                let variants = find(method).variants(filter);
+                assert!(!variants.is_empty(), "{}", method.name());
+                for (place, variant) in variants.iter().enumerate() {
+                    let before = &variants[..place];
+                    assert!(before.iter().all(|other| other.name != variant.name));
+                    assert_eq!(variant.recipe.method, method);
+                }
+            }
+        }
+    }
+}
