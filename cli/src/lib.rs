@@ -54,5 +54,6 @@ pub fn run(cli: &Cli, console: &Console) -> Result<(), CommandError> {
         Command::Verify(arguments) => commands::verify::run(arguments, console),
         Command::Query(arguments) => commands::query::run(arguments, console),
         Command::Picture(arguments) => commands::picture::run(arguments, console),
+        Command::Report(arguments) => commands::report::run(arguments, console),
     })
 }

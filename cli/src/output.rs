@@ -14,6 +14,9 @@ const TICK: Duration = Duration::from_millis(100);
 /// Stages of known size.
 const BAR: &str = "{spinner} {msg:8} {bar:32} {percent:>3} %, {elapsed} elapsed, {eta} left";
 
+/// Work on something that has a name.
+const NAMED_BAR: &str = "{spinner} {msg} {bar:32} {pos}/{len}, {elapsed} elapsed, {eta} left";
+
 /// Stages that are one piece of work.
 const SPINNER: &str = "{spinner} {msg:8} {elapsed}";
 
@@ -108,6 +111,21 @@ impl Console {
         bar
     }
 
+    /// A bar on standard error that says what is done `to` what, on a terminal only.
+    pub fn bar(&self, what: &'static str, to: &str) -> Bar {
+        if self.quiet || !io::stderr().is_terminal() {
+            return Bar(ProgressBar::hidden());
+        }
+        let style = ProgressStyle::with_template(NAMED_BAR)
+            .expect("a template that has been tested")
+            .progress_chars("=> ");
+        let bar = ProgressBar::new(1)
+            .with_style(style)
+            .with_message(format!("{what} {to}"));
+        bar.enable_steady_tick(TICK);
+        Bar(bar)
+    }
+
     /// The stages of a bake on standard error, on a terminal only: a bar and the time left where the size is known.
     pub fn stages(&self) -> Stages {
         Stages {
@@ -124,6 +142,24 @@ impl Console {
             }
             _ => {}
         }
+    }
+}
+
+/// One line that shows how far one piece of work has come, and goes when it is dropped.
+#[derive(Debug)]
+pub struct Bar(ProgressBar);
+
+impl Bar {
+    /// `done` of `total` are done.
+    pub fn set(&self, done: u64, total: u64) {
+        self.0.set_length(total);
+        self.0.set_position(done);
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
     }
 }
 
@@ -204,7 +240,7 @@ mod tests {
 
     #[test]
     fn templates_are_templates() {
-        for template in [BAR, SPINNER] {
+        for template in [BAR, NAMED_BAR, SPINNER] {
             assert!(ProgressStyle::with_template(template).is_ok(), "{template}");
         }
     }

@@ -55,23 +55,19 @@ pub fn package(map: &NormalMap, recipe: MethodRecipe) -> Vec<u8> {
         .to_bytes()
 }
 
-/// A small stream of numbers in [0, 1) that depends on its seed alone (a Weyl sequence, finalised as in `MurmurHash3`).
+/// A stream of numbers that depends on its seed alone, and what queries are made of them.
 #[derive(Clone, Debug)]
-pub struct Stream(u64);
+pub struct Stream(glintbake_cli::measure::stream::Stream);
 
 impl Stream {
     /// The stream of `seed`.
     pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15))
+        Self(glintbake_cli::measure::stream::Stream::new(seed))
     }
 
     /// The next number in [0, 1).
     pub fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 33)).wrapping_mul(0xFF51_AFD7_ED55_8CCD);
-        bits = (bits ^ (bits >> 33)).wrapping_mul(0xC4CE_B9FE_1A85_EC53);
-        ((bits ^ (bits >> 33)) >> 11) as f64 / (1_u64 << 53) as f64
+        self.0.uniform()
     }
 
     /// The next number in [`low`, `high`).

@@ -16,6 +16,7 @@ mod hostile;
 mod masked_brdf;
 mod masking;
 mod opening;
+mod report;
 mod sampling;
 mod specular_bins;
 mod stress;

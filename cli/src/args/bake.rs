@@ -141,6 +141,27 @@ pub struct DecodeArgs {
     pub exr_channels: Option<Vec<String>>,
 }
 
+impl DecodeArgs {
+    /// A recipe without methods that reads images as these arguments say.
+    pub fn recipe(&self) -> Recipe {
+        Recipe {
+            exr_layer: self.exr_layer.clone(),
+            exr_channels: self.exr_channels.clone(),
+            decode: DecodeOptions {
+                input: self.input,
+                height_scale: self.height_scale,
+                channels: self.channels,
+                green: self.green,
+                range: self.range,
+                zero: self.zero,
+                wrap: self.wrap,
+                repair: self.repair,
+            },
+            methods: Vec::new(),
+        }
+    }
+}
+
 /// A parser for the words of `all`.
 fn word<T: Copy + std::fmt::Display + Send + Sync + 'static>(
     from_name: fn(&str) -> Option<T>,
@@ -195,6 +216,12 @@ fn usage(message: String) -> CommandError {
     CommandError::new(Failure::Usage, message)
 }
 
+/// Beckmann roughnesses, however they were given.
+pub(super) fn all_roughness(beckmann: &[f64], intrinsic: &[f64]) -> Vec<f64> {
+    let converted = intrinsic.iter().copied().map(beckmann_from_intrinsic);
+    beckmann.iter().copied().chain(converted).collect()
+}
+
 impl BakeArgs {
     /// The recipe these arguments ask for.
     ///
@@ -223,7 +250,7 @@ impl BakeArgs {
         if let Err(error) = glintbake_bake::check(&recipe) {
             return Err(self.in_given_words(error));
         }
-        let roughness = self.all_roughness();
+        let roughness = all_roughness(&self.roughness, &self.intrinsic_roughness);
         for (place, &alpha) in roughness.iter().enumerate() {
             if let Some(other) = roughness[..place]
                 .iter()
@@ -244,14 +271,6 @@ impl BakeArgs {
         options
     }
 
-    /// Beckmann roughnesses, however they were given.
-    fn all_roughness(&self) -> Vec<f64> {
-        let intrinsic = self.intrinsic_roughness.iter().copied();
-        let mut roughness = self.roughness.clone();
-        roughness.extend(intrinsic.map(beckmann_from_intrinsic));
-        roughness
-    }
-
     /// `error`, about the option that the user wrote rather than the one it was turned into.
     fn in_given_words(&self, error: BakeError) -> CommandError {
         if let BakeError::Option { value, reason, .. } = &error
@@ -268,7 +287,7 @@ impl BakeArgs {
     }
 
     fn unchecked_recipe(&self) -> Recipe {
-        let roughness = self.all_roughness();
+        let roughness = all_roughness(&self.roughness, &self.intrinsic_roughness);
         let several = self.method.len() > 1;
         let methods = self
             .method
@@ -291,21 +310,9 @@ impl BakeArgs {
                 }
             })
             .collect();
-        let decode = &self.decode;
         Recipe {
-            exr_layer: decode.exr_layer.clone(),
-            exr_channels: decode.exr_channels.clone(),
-            decode: DecodeOptions {
-                input: decode.input,
-                height_scale: decode.height_scale,
-                channels: decode.channels,
-                green: decode.green,
-                range: decode.range,
-                zero: decode.zero,
-                wrap: decode.wrap,
-                repair: decode.repair,
-            },
             methods,
+            ..self.decode.recipe()
         }
     }
 }

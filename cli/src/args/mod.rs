@@ -1,9 +1,11 @@
 //! The command line, typed.
 
 mod bake;
+mod report;
 mod select;
 
-pub use bake::BakeArgs;
+pub use bake::{BakeArgs, DecodeArgs};
+pub use report::ReportArgs;
 pub use select::{QuerySettings, SettingArgs};
 
 use crate::exit::EXIT_CODES_HELP;
@@ -53,6 +55,8 @@ pub enum Command {
     Query(QueryArgs),
     /// Draw a picture from a package
     Picture(PictureArgs),
+    /// Measure every method on maps of yours: error against run time, memory
+    Report(Box<ReportArgs>),
 }
 
 impl Command {
@@ -68,6 +72,7 @@ impl Command {
                 Picture::Ndf(arguments) => arguments.json,
                 Picture::Ball(arguments) => arguments.json,
             },
+            Self::Report(arguments) => arguments.json,
         }
     }
 }

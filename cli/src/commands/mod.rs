@@ -7,5 +7,6 @@ mod open;
 mod paths;
 pub mod picture;
 pub mod query;
+pub mod report;
 pub mod sample;
 pub mod verify;

@@ -69,6 +69,20 @@ pub struct MapReport {
     pub rows: Vec<Row>,
     /// Where the error of binned normals comes from.
     pub sources: Vec<ErrorSources>,
+    /// What was planned and could not be measured.
+    pub skipped: Vec<Skipped>,
+}
+
+/// What was planned and could not be measured, and why.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Skipped {
+    /// Who.
+    pub contestant: Contestant,
+    /// What would have been asked; `None` if the contestant was left out of the whole map.
+    pub cell: Option<Cell>,
+    /// Why.
+    pub reason: String,
 }
 
 /// Who answers: a variant of a method, or a baseline.
@@ -137,14 +151,14 @@ pub struct Row {
     pub cell: Cell,
     /// Half vectors asked for.
     pub queries: usize,
-    /// Of these, how many the truth is above zero for.
+    /// Of these, how many are lit: the truth is at least 1e-6 per steradian.
     pub lit: usize,
     /// Against the common truth of the kernel: every texel with its own normal.
     pub truth: Errors,
     /// Against the method's own model, computed in f64; `None` for baselines, which have none but the truth.
     pub model: Option<Errors>,
-    /// How much the sampler keeps: the integral of the contestant's pdf as a share of the truth's, estimated from half
-    /// vectors drawn from the truth; `None` where they are not.
+    /// The integral of the contestant's pdf over the hemisphere, estimated from half vectors drawn from its model: 1 less
+    /// what it loses. `None` for baselines, and where half vectors are uniform.
     pub energy: Option<Energy>,
     /// Run times.
     pub times: Times,
@@ -188,7 +202,7 @@ pub struct Errors {
     pub percentile_99: Option<f64>,
     /// Largest |D − D*|, as a share of the largest D*; `None` if no query is lit.
     pub worst: Option<f64>,
-    /// Largest D where D* is 0, per steradian.
+    /// Largest D where no query is lit, D* being below 1e-6 per steradian; in the same unit.
     pub worst_unlit: f64,
 }
 

@@ -54,6 +54,8 @@ pub enum Kernel {
     Beckmann = 1,
     /// No kernel: the density averaged over the half vector's bin.
     BinAverage = 2,
+    /// Gaussian on the projected disk about each texel's normal.
+    Disk = 3,
 }
 
 impl Kernel {
@@ -62,6 +64,7 @@ impl Kernel {
         match code {
             1 => Some(Self::Beckmann),
             2 => Some(Self::BinAverage),
+            3 => Some(Self::Disk),
             _ => None,
         }
     }
@@ -71,6 +74,7 @@ impl Kernel {
         match self {
             Self::Beckmann => "beckmann",
             Self::BinAverage => "bin-average",
+            Self::Disk => "disk",
         }
     }
 }

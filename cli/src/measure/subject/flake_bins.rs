@@ -60,6 +60,10 @@ impl Subject for FlakeBins {
         variants
     }
 
+    fn is_truth(&self, variant: &Variant) -> bool {
+        variant.setting == Some(Setting::Exact)
+    }
+
     fn model(&self, variant: &Variant, patch: &Patch<'_>, roughness: f64) -> Box<dyn Reference> {
         let setting = match variant.setting {
             Some(Setting::Exact) => oracle::Setting::Exact,

@@ -38,6 +38,9 @@ pub trait Subject: Sync {
     /// The settings worth comparing, the default first, for footprints weighed by `filter`.
     fn variants(&self, filter: Filter) -> Vec<Variant>;
 
+    /// Whether the model of `variant` is the truth itself.
+    fn is_truth(&self, variant: &Variant) -> bool;
+
     /// What the method would answer under `patch` if it did its own sum without any error: its model, in f64.
     ///
     /// `roughness` is Beckmann's α; methods that are not rough ignore it.

@@ -40,6 +40,11 @@ impl Subject for SpecularBins {
         variants
     }
 
+    /// The method has no kernel: its truth is the average over the half vector's bin, which is its model.
+    fn is_truth(&self, _: &Variant) -> bool {
+        true
+    }
+
     fn model(&self, variant: &Variant, patch: &Patch<'_>, _: f64) -> Box<dyn Reference> {
         let bins = variant.recipe.bins.unwrap_or(DEFAULT_BINS);
         Box::new(Mirrors {
@@ -48,7 +53,6 @@ impl Subject for SpecularBins {
         })
     }
 
-    /// The method has no kernel: its truth is the average over the half vector's bin, which is its model.
     fn truth(&self, variant: &Variant, patch: &Patch<'_>, roughness: f64) -> Box<dyn Reference> {
         self.model(variant, patch, roughness)
     }

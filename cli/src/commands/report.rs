@@ -1,0 +1,183 @@
+//! `report`: every method measured on maps of the user's own.
+
+use super::paths;
+use crate::args::ReportArgs;
+use crate::exit::{CommandError, Failure};
+use crate::measure::clock::Clock;
+use crate::measure::machine;
+use crate::measure::plan::Plan;
+use crate::measure::run::{MeasureError, Step, measure};
+use crate::output::{Bar, Console};
+use crate::report;
+use crate::report::document::{FORMAT, Head, MapReport, Report, VERSION};
+use glintbake_bake::image::{HashedFile, InputFile};
+use glintbake_bake::normals::{self, NormalMap};
+use serde_json::json;
+use std::ffi::OsStr;
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// How often what has been measured is written.
+const SAVE_EVERY: Duration = Duration::from_secs(5);
+
+/// Measures, and writes the report after every few cells, so that an interruption loses little.
+///
+/// # Errors
+/// [`Failure::Usage`] for the plan, those of reading for the images, [`Failure::Output`], and [`Failure::Findings`] if
+/// something is worse than `--fail-on` allows.
+pub fn run(arguments: &ReportArgs, console: &Console) -> Result<(), CommandError> {
+    let plan = arguments.plan()?;
+    let folder = &arguments.output;
+    fs::create_dir_all(folder).map_err(|error| {
+        let message = format!("--output {}: {error}; name a folder", folder.display());
+        CommandError::new(Failure::Output, message)
+    })?;
+    paths::check(None, &[("--output", &folder.join("report.json"))])?;
+    let maps = read(arguments, console)?;
+    let clock = Clock::new(plan.effort.seconds, plan.effort.repetitions);
+    let mut whole = Report {
+        format: FORMAT.to_owned(),
+        version: VERSION,
+        complete: false,
+        head: head(&plan, clock),
+        maps: Vec::new(),
+    };
+    let mut saved = Instant::now();
+    for (input, map) in &maps {
+        whole.maps.push(MapReport {
+            name: input.name.clone(),
+            blake3: input
+                .blake3
+                .iter()
+                .map(|byte| format!("{byte:02x}"))
+                .collect(),
+            width: map.width(),
+            height: map.height(),
+            packages: Vec::new(),
+            rows: Vec::new(),
+            sources: Vec::new(),
+            skipped: Vec::new(),
+        });
+        let bar = console.bar("measuring", &input.name);
+        measure_map(map, &plan, clock, &mut whole, &bar, folder, &mut saved)?;
+    }
+    whole.complete = true;
+    let files = report::write_all(&whole, folder)?;
+    for file in &files {
+        console.line(file.display());
+    }
+    console.document(&json!(whole));
+    Ok(())
+}
+
+/// The maps, in the order of the command line.
+fn read(
+    arguments: &ReportArgs,
+    console: &Console,
+) -> Result<Vec<(InputFile, NormalMap)>, CommandError> {
+    let stages = console.stages();
+    let recipe = arguments.decode.recipe();
+    arguments
+        .images
+        .iter()
+        .map(|image| {
+            let file = HashedFile::open(image, &stages)?;
+            let (map, _) = normals::read(&file, &recipe.read_options(), &recipe.decode, &stages)?;
+            Ok((file.identity().clone(), map))
+        })
+        .collect()
+}
+
+fn measure_map(
+    map: &NormalMap,
+    plan: &Plan,
+    clock: Clock,
+    whole: &mut Report,
+    bar: &Bar,
+    folder: &Path,
+    saved: &mut Instant,
+) -> Result<(), CommandError> {
+    let Some(mut current) = whole.maps.pop() else {
+        return Ok(());
+    };
+    whole.maps.push(current.clone());
+    let mut listen = |so_far: &MapReport, Step { done, total }: Step| {
+        bar.set(done as u64, total as u64);
+        if saved.elapsed() >= SAVE_EVERY {
+            if let Some(last) = whole.maps.last_mut() {
+                last.clone_from(so_far);
+            }
+            report::write_all(whole, folder)?;
+            *saved = Instant::now();
+        }
+        Ok::<(), CommandError>(())
+    };
+    measure(map, plan, clock, &mut current, &mut listen)?;
+    if let Some(last) = whole.maps.last_mut() {
+        *last = current;
+    }
+    Ok(())
+}
+
+fn head(plan: &Plan, clock: Clock) -> Head {
+    Head {
+        glintbake: env!("CARGO_PKG_VERSION").to_owned(),
+        command: command_line(std::env::args_os()),
+        seed: plan.seed,
+        processor: machine::processor(),
+        threads: rayon::current_num_threads(),
+        target: machine::target(),
+        target_features: machine::target_features(),
+        compiler: env!("GLINTBAKE_COMPILER").to_owned(),
+        optimised: !cfg!(debug_assertions),
+        clock_resolution_ns: clock.step * 1e9,
+    }
+}
+
+/// The command line, each file by its name alone: where files lie is nobody's concern but their owner's.
+fn command_line(arguments: impl Iterator<Item = impl AsRef<OsStr>>) -> String {
+    let words: Vec<_> = arguments
+        .enumerate()
+        .map(|(place, argument)| {
+            let path = Path::new(&argument);
+            let word = if place == 0 {
+                "glintbake".as_ref()
+            } else {
+                path.file_name().unwrap_or(argument.as_ref())
+            };
+            word.to_string_lossy().into_owned()
+        })
+        .collect();
+    words.join(" ")
+}
+
+impl From<MeasureError> for CommandError {
+    fn from(error: MeasureError) -> Self {
+        match error {
+            MeasureError::Bake(error) => error.into(),
+            MeasureError::Query(error) => error.into(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_stay_out_of_the_command_line() {
+        let line = [
+            "a/glintbake",
+            "report",
+            "b/c/map.png",
+            "-o",
+            "d/e",
+            "--quick",
+        ];
+        assert_eq!(
+            command_line(line.into_iter()),
+            "glintbake report map.png -o e --quick"
+        );
+    }
+}

@@ -1,0 +1,393 @@
+//! Who answers the queries of a report: packages of every method and variant, and the baselines.
+
+use super::baselines::exact_scan::ExactScan;
+use super::baselines::paper_forest::{LEAF_SIZE, PaperForest, PaperLookup, Traversal};
+use super::baselines::point_sampling::PointSampling;
+use super::machine::PeakMemory;
+use super::plan::Plan;
+use super::subject::{self, Subject, Variant};
+use crate::report::document::{Contestant, PackageReport, Role};
+use glintbake_bake::normals::NormalMap;
+use glintbake_bake::{BakeError, MethodRecipe, Recipe, bake};
+use glintbake_format::model::{
+    BinGrid, Binning, Filter, Footprint, HalfVector, Kernel, Neighbourhood, Wrap,
+    disk_grid_resolution,
+};
+use glintbake_runtime::microfacet::beckmann;
+use glintbake_runtime::{Ndf, Package, QueryError, SurfaceNdf};
+use std::cell::RefCell;
+use std::time::Instant;
+
+/// Points a query of naive point sampling.
+const POINTS: [u32; 3] = [1, 16, 256];
+
+/// What is there to answer queries on one map.
+#[derive(Debug)]
+pub struct Field<'m> {
+    map: &'m NormalMap,
+    baked: Vec<Baked>,
+    scan: Option<ExactScan>,
+    forests: Vec<(f64, PaperForest)>,
+    /// What each of them takes.
+    pub packages: Vec<PackageReport>,
+}
+
+/// A variant of a method, baked.
+#[derive(Debug)]
+struct Baked {
+    contestant: Contestant,
+    recipe: MethodRecipe,
+    bytes: Vec<u8>,
+}
+
+/// One who answers, for one roughness and filter.
+pub struct Entrant<'a> {
+    /// Who.
+    pub contestant: Contestant,
+    /// Rows compare within it.
+    pub kernel: Kernel,
+    /// Beckmann's α, if the kernel has one.
+    pub roughness: Option<f64>,
+    /// The method with the variant; `None` for baselines.
+    pub subject: Option<(&'static dyn Subject, Variant)>,
+    /// The answers.
+    pub answers: Box<dyn Answers + 'a>,
+}
+
+/// Answers to queries.
+pub trait Answers {
+    /// D.
+    fn eval(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError>;
+
+    /// A half vector; `None` if the contestant does not sample.
+    fn sample(
+        &self,
+        footprint: &Footprint,
+        uniform: [f64; 4],
+    ) -> Option<Result<Option<HalfVector>, QueryError>> {
+        let _ = (footprint, uniform);
+        None
+    }
+
+    /// The density of [`sample`](Self::sample); `None` likewise.
+    fn pdf(
+        &self,
+        footprint: &Footprint,
+        half_vector: HalfVector,
+    ) -> Option<Result<f64, QueryError>> {
+        let _ = (footprint, half_vector);
+        None
+    }
+}
+
+impl Answers for SurfaceNdf<'_> {
+    fn eval(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError> {
+        Ndf::eval(self, footprint, half_vector)
+    }
+
+    fn sample(
+        &self,
+        footprint: &Footprint,
+        uniform: [f64; 4],
+    ) -> Option<Result<Option<HalfVector>, QueryError>> {
+        Some(Ndf::sample(self, footprint, uniform))
+    }
+
+    fn pdf(
+        &self,
+        footprint: &Footprint,
+        half_vector: HalfVector,
+    ) -> Option<Result<f64, QueryError>> {
+        Some(Ndf::pdf(self, footprint, half_vector))
+    }
+}
+
+/// A function of footprint and half vector that never fails.
+struct Baseline<F>(F);
+
+impl<F: Fn(&Footprint, HalfVector) -> f64> Answers for Baseline<F> {
+    fn eval(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError> {
+        Ok(self.0(footprint, half_vector))
+    }
+}
+
+impl<'m> Field<'m> {
+    /// Bakes every variant that `plan` asks for on `map`, and builds the baselines.
+    ///
+    /// # Errors
+    /// [`BakeError`] if the map or a roughness is out of range.
+    pub fn new(map: &'m NormalMap, plan: &Plan) -> Result<Self, BakeError> {
+        let mut field = Self {
+            map,
+            baked: Vec::new(),
+            scan: None,
+            forests: Vec::new(),
+            packages: Vec::new(),
+        };
+        for &filter in &plan.filters {
+            for &method in &plan.methods {
+                let subject = subject::find(method);
+                for variant in subject.variants(filter) {
+                    for roughness in roughnesses(subject, plan) {
+                        field.bake(&variant, roughness, plan.effort.bakes)?;
+                    }
+                }
+            }
+        }
+        if map.wrap() == Wrap::Repeat && !field.kernels(plan).is_empty() {
+            field.build_baselines(plan);
+        }
+        Ok(field)
+    }
+
+    fn bake(
+        &mut self,
+        variant: &Variant,
+        roughness: Option<f64>,
+        bakes: usize,
+    ) -> Result<(), BakeError> {
+        let contestant = contestant(variant);
+        let recipe = variant.recipe_for(roughness.unwrap_or_default());
+        let is_done = |baked: &Baked| baked.contestant == contestant && baked.recipe == recipe;
+        if self.baked.iter().any(is_done) {
+            return Ok(());
+        }
+        let whole = Recipe::new(vec![recipe.clone()]);
+        let mut seconds = f64::INFINITY;
+        let mut peak = None;
+        let mut bytes = Vec::new();
+        for _ in 0..bakes {
+            let watch = PeakMemory::watch();
+            let start = Instant::now();
+            bytes = bake(self.map, &whole, None)?.to_bytes();
+            seconds = seconds.min(start.elapsed().as_secs_f64());
+            peak = peak.max(watch.added());
+        }
+        self.packages.push(self.package(
+            contestant.clone(),
+            roughness,
+            bytes.len() as u64,
+            seconds,
+            peak,
+        ));
+        self.baked.push(Baked {
+            contestant,
+            recipe,
+            bytes,
+        });
+        Ok(())
+    }
+
+    fn build_baselines(&mut self, plan: &Plan) {
+        let watch = PeakMemory::watch();
+        let start = Instant::now();
+        let scan = ExactScan::new(self.map);
+        let seconds = start.elapsed().as_secs_f64();
+        let bytes = scan.bytes();
+        self.packages.push(self.package(
+            baseline("exact-scan", ""),
+            None,
+            bytes,
+            seconds,
+            watch.added(),
+        ));
+        self.scan = Some(scan);
+        let normals = size_of_val(self.map.texels()) as u64;
+        let points = baseline("point-sampling", "");
+        self.packages
+            .push(self.package(points, None, normals, 0.0, Some(0)));
+        if !self.kernels(plan).contains(&Kernel::Beckmann) {
+            return;
+        }
+        for &roughness in &plan.roughness {
+            let Some(grid) = BinGrid::new(Binning::DiskGrid, disk_grid_resolution(roughness))
+            else {
+                continue;
+            };
+            let watch = PeakMemory::watch();
+            let start = Instant::now();
+            let forest = PaperForest::new(self.map, grid, LEAF_SIZE);
+            let seconds = start.elapsed().as_secs_f64();
+            let texels = self.map.texels().len() as f64;
+            // Sampling needs the bin map besides, an integer a texel.
+            let bytes = ((forest.bytes_per_texel() + 4.0) * texels) as u64;
+            let report = self.package(
+                paper_forest(),
+                Some(roughness),
+                bytes,
+                seconds,
+                watch.added(),
+            );
+            self.packages.push(report);
+            self.forests.push((roughness, forest));
+        }
+    }
+
+    fn package(
+        &self,
+        contestant: Contestant,
+        roughness: Option<f64>,
+        bytes: u64,
+        bake_seconds: f64,
+        bake_peak_bytes: Option<u64>,
+    ) -> PackageReport {
+        PackageReport {
+            contestant,
+            roughness,
+            bytes,
+            bytes_per_texel: bytes as f64 / self.map.texels().len() as f64,
+            bake_seconds,
+            bake_peak_bytes,
+        }
+    }
+
+    /// The kernels of the rough methods of `plan`: those that baselines are for.
+    fn kernels(&self, plan: &Plan) -> Vec<Kernel> {
+        let mut kernels = Vec::new();
+        for &method in &plan.methods {
+            if subject::find(method).is_rough() && !kernels.contains(&method.kernel()) {
+                kernels.push(method.kernel());
+            }
+        }
+        kernels
+    }
+
+    /// Everyone who answers with footprints weighed by `filter`.
+    ///
+    /// # Errors
+    /// [`QueryError::Damaged`] of a package just baked, which would be a defect.
+    pub fn entrants(&self, plan: &Plan, filter: Filter) -> Result<Vec<Entrant<'_>>, QueryError> {
+        let mut entrants = Vec::new();
+        for &method in &plan.methods {
+            let subject = subject::find(method);
+            for roughness in roughnesses(subject, plan) {
+                for variant in subject.variants(filter) {
+                    let (contestant, recipe) = (
+                        contestant(&variant),
+                        variant.recipe_for(roughness.unwrap_or_default()),
+                    );
+                    let baked = self
+                        .baked
+                        .iter()
+                        .find(|baked| baked.contestant == contestant && baked.recipe == recipe);
+                    let Some(baked) = baked else { continue };
+                    let package = Package::open(&baked.bytes).map_err(QueryError::Damaged)?;
+                    entrants.push(Entrant {
+                        contestant,
+                        kernel: method.kernel(),
+                        roughness,
+                        answers: Box::new(variant.ask(package.ndf(1)?, filter)?),
+                        subject: Some((subject, variant)),
+                    });
+                }
+            }
+        }
+        for kernel in self.kernels(plan) {
+            for &roughness in &plan.roughness {
+                self.add_baselines(kernel, roughness, filter, &mut entrants);
+            }
+        }
+        Ok(entrants)
+    }
+
+    fn add_baselines<'a>(
+        &'a self,
+        kernel: Kernel,
+        roughness: f64,
+        filter: Filter,
+        entrants: &mut Vec<Entrant<'a>>,
+    ) {
+        let mut add = |contestant, answers| {
+            entrants.push(Entrant {
+                contestant,
+                kernel,
+                roughness: Some(roughness),
+                subject: None,
+                answers,
+            });
+        };
+        if let Some(scan) = &self.scan {
+            let eval = move |footprint: &Footprint, half_vector| {
+                scan.eval(footprint, half_vector, filter, kernel, roughness)
+            };
+            add(baseline("exact-scan", ""), Box::new(Baseline(eval)));
+        }
+        for points in POINTS {
+            let sampling = PointSampling {
+                map: self.map,
+                points,
+            };
+            let eval = move |footprint: &Footprint, half_vector| {
+                sampling.eval(footprint, half_vector, filter, kernel, roughness)
+            };
+            let name = if points == 1 {
+                "1 point".to_owned()
+            } else {
+                format!("{points} points")
+            };
+            add(
+                baseline("point-sampling", &name),
+                Box::new(Baseline(eval)) as Box<dyn Answers>,
+            );
+        }
+        let forest = self.forests.iter().find(|(baked, _)| *baked == roughness);
+        if let (Kernel::Beckmann, Filter::Box, Some((_, forest))) = (kernel, filter, forest) {
+            let grid = BinGrid::new(Binning::DiskGrid, disk_grid_resolution(roughness))
+                .expect("the forest was built for it");
+            let lookup = RefCell::new(PaperLookup::new(forest, Traversal::Together));
+            let eval = move |footprint: &Footprint, half_vector: HalfVector| {
+                let direction = half_vector.direction();
+                let mut sum = 0.0;
+                lookup.borrow_mut().bin_weights(
+                    footprint,
+                    half_vector,
+                    Neighbourhood::Bins21,
+                    &mut |column, row, weight| {
+                        let centre = grid.centre(column, row);
+                        sum += weight * beckmann::density(direction, centre, roughness);
+                    },
+                );
+                sum
+            };
+            add(paper_forest(), Box::new(Baseline(eval)));
+        }
+    }
+}
+
+/// The roughnesses that `subject` is baked for.
+fn roughnesses(subject: &dyn Subject, plan: &Plan) -> Vec<Option<f64>> {
+    if subject.is_rough() {
+        plan.roughness.iter().copied().map(Some).collect()
+    } else {
+        vec![None]
+    }
+}
+
+fn contestant(variant: &Variant) -> Contestant {
+    Contestant {
+        role: if variant.is_paper {
+            Role::Paper
+        } else {
+            Role::Method
+        },
+        method: variant.recipe.method.name().to_owned(),
+        variant: variant.name.clone(),
+    }
+}
+
+/// A faithful build of the structure of \[AWKK21\] §5.4, with 21 bins.
+fn paper_forest() -> Contestant {
+    Contestant {
+        role: Role::Paper,
+        method: "paper-forest".to_owned(),
+        variant: "21 bins".to_owned(),
+    }
+}
+
+fn baseline(method: &str, variant: &str) -> Contestant {
+    Contestant {
+        role: Role::Baseline,
+        method: method.to_owned(),
+        variant: variant.to_owned(),
+    }
+}
