@@ -29,12 +29,11 @@ const SAVE_EVERY: Duration = Duration::from_secs(5);
 pub fn run(arguments: &ReportArgs, console: &Console) -> Result<(), CommandError> {
     let plan = arguments.plan()?;
     let folder = &arguments.output;
-    fs::create_dir_all(folder).map_err(|error| {
-        let message = format!("--output {}: {error}; name a folder", folder.display());
-        CommandError::new(Failure::Output, message)
-    })?;
-    paths::check(None, &[("--output", &folder.join("report.json"))])?;
+    let is_new = check_folder(folder)?;
     let maps = read(arguments, console)?;
+    if is_new {
+        fs::create_dir(folder).map_err(|error| cannot_use(folder, &error.to_string()))?;
+    }
     let clock = Clock::new(plan.effort.seconds, plan.effort.repetitions);
     let mut whole = Report {
         format: FORMAT.to_owned(),
@@ -69,6 +68,29 @@ pub fn run(arguments: &ReportArgs, console: &Console) -> Result<(), CommandError
     }
     console.document(&json!(whole));
     Ok(())
+}
+
+/// Refuses a folder that reports could not be written to, before anything is measured; whether it is still to be made.
+fn check_folder(folder: &Path) -> Result<bool, CommandError> {
+    if folder.is_dir() {
+        let files = report::FILES.map(|name| folder.join(name));
+        let outputs: Vec<_> = files
+            .iter()
+            .map(|file| ("--output", file.as_path()))
+            .collect();
+        paths::check(None, &outputs)?;
+        return Ok(false);
+    }
+    if folder.exists() {
+        return Err(cannot_use(folder, "it is a file; name a folder"));
+    }
+    paths::check(None, &[("--output", folder)])?;
+    Ok(true)
+}
+
+fn cannot_use(folder: &Path, reason: &str) -> CommandError {
+    let message = format!("--output {}: {reason}", folder.display());
+    CommandError::new(Failure::Output, message)
 }
 
 /// The maps, in the order of the command line.

@@ -7,6 +7,9 @@ use glintbake_bake::package::{PublishError, publish};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+/// What [`write_all`] writes.
+pub const FILES: [&str; 1] = ["report.json"];
+
 /// Writes report.json.
 ///
 /// # Errors

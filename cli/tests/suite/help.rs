@@ -3,7 +3,9 @@
 use crate::workshop::Workshop;
 use std::collections::BTreeSet;
 
-const VERBS: [&str; 6] = ["sample", "bake", "inspect", "verify", "query", "picture"];
+const VERBS: [&str; 7] = [
+    "sample", "bake", "inspect", "verify", "query", "picture", "report",
+];
 
 #[test]
 fn without_arguments_the_verbs_are_listed_on_standard_error() {
@@ -35,7 +37,7 @@ fn help_and_version_are_results_of_every_verb() {
 #[test]
 fn help_names_every_method_and_kind() {
     let workshop = Workshop::new();
-    for verb in ["bake", "query"] {
+    for verb in ["bake", "query", "report"] {
         let help = workshop.succeeds(&[verb, "--help"]);
         for method in glintbake_format::model::METHODS {
             assert!(help.contains(method.name()), "{}: {help}", method.name());

@@ -18,6 +18,7 @@ mod index;
 mod json;
 mod outputs;
 mod query;
+mod report;
 mod sample;
 mod streams;
 mod warnings;
