@@ -16,10 +16,10 @@ use serde_json::json;
 use std::ffi::OsStr;
 use std::fs;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-/// How often what has been measured is written.
-const SAVE_EVERY: Duration = Duration::from_secs(5);
+/// What has been measured is written after each cell, unless so many times what the last writing took has not passed.
+const SAVE_AFTER: u32 = 10;
 
 /// Measures, and writes the report after every few cells, so that an interruption loses little.
 ///
@@ -42,7 +42,10 @@ pub fn run(arguments: &ReportArgs, console: &Console) -> Result<(), CommandError
         head: head(&plan, clock),
         maps: Vec::new(),
     };
-    let mut saved = Instant::now();
+    let mut saver = Saver {
+        folder,
+        next: Instant::now(),
+    };
     for (input, map) in &maps {
         whole.maps.push(MapReport {
             name: input.name.clone(),
@@ -59,7 +62,7 @@ pub fn run(arguments: &ReportArgs, console: &Console) -> Result<(), CommandError
             skipped: Vec::new(),
         });
         let bar = console.bar("measuring", &input.name);
-        measure_map(map, &plan, clock, &mut whole, &bar, folder, &mut saved)?;
+        measure_map(map, &plan, clock, &mut whole, &bar, &mut saver)?;
     }
     whole.complete = true;
     let files = report::write_all(&whole, folder)?;
@@ -111,14 +114,30 @@ fn read(
         .collect()
 }
 
+/// Writes what there is of a report, often enough that an interruption loses little, rarely enough to cost little.
+struct Saver<'f> {
+    folder: &'f Path,
+    next: Instant,
+}
+
+impl Saver<'_> {
+    fn save<'r>(&mut self, report: impl FnOnce() -> &'r Report) -> Result<(), CommandError> {
+        let start = Instant::now();
+        if start >= self.next {
+            report::write_all(report(), self.folder)?;
+            self.next = start + SAVE_AFTER * start.elapsed();
+        }
+        Ok(())
+    }
+}
+
 fn measure_map(
     map: &NormalMap,
     plan: &Plan,
     clock: Clock,
     whole: &mut Report,
     bar: &Bar,
-    folder: &Path,
-    saved: &mut Instant,
+    saver: &mut Saver<'_>,
 ) -> Result<(), CommandError> {
     let Some(mut current) = whole.maps.pop() else {
         return Ok(());
@@ -126,14 +145,12 @@ fn measure_map(
     whole.maps.push(current.clone());
     let mut listen = |so_far: &MapReport, Step { done, total }: Step| {
         bar.set(done as u64, total as u64);
-        if saved.elapsed() >= SAVE_EVERY {
+        saver.save(|| {
             if let Some(last) = whole.maps.last_mut() {
                 last.clone_from(so_far);
             }
-            report::write_all(whole, folder)?;
-            *saved = Instant::now();
-        }
-        Ok::<(), CommandError>(())
+            &*whole
+        })
     };
     measure(map, plan, clock, &mut current, &mut listen)?;
     if let Some(last) = whole.maps.last_mut() {
