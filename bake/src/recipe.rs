@@ -7,7 +7,7 @@ use glintbake_format::records::InverseKind;
 use serde::Serialize;
 
 /// Raised when the same recipe and inputs would give other bytes than the release before.
-const ALGORITHM_VERSION: u32 = 2;
+const ALGORITHM_VERSION: u32 = 3;
 
 /// Everything that decides a package's bytes, besides the inputs' contents.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -42,6 +42,8 @@ pub struct MethodRecipe {
     pub inverse: Option<InverseKind>,
     /// The longest list of a forest that is scanned without a tree.
     pub leaf_size: u32,
+    /// The finest level of a pyramid, for a method that has one; `None` for the texels themselves.
+    pub finest_level: Option<u32>,
     /// Whether exact normals are stored, 4 bytes a texel.
     pub exact_normals: bool,
     /// Whether the masking of the map's own normals is stored: 4 KB, once for all methods and roughnesses that ask.
@@ -61,9 +63,14 @@ impl MethodRecipe {
             filter: Filter::Box,
             inverse: None,
             leaf_size: DEFAULT_LEAF_SIZE,
+            finest_level: None,
             exact_normals: false,
             masking: true,
         }
+    }
+
+    fn instance_count(&self) -> u64 {
+        self.roughness.len().max(1) as u64
     }
 }
 
@@ -138,18 +145,22 @@ impl Recipe {
 
     /// How many instances the package will have.
     pub fn instance_count(&self) -> u64 {
-        let instances = |method: &MethodRecipe| method.roughness.len().max(1) as u64;
-        self.methods.iter().map(instances).sum()
+        self.methods.iter().map(MethodRecipe::instance_count).sum()
     }
 
-    /// About the most memory that a bake takes, in bytes a texel: 8 for the normals, 12 for each instance (of which
-    /// about 7 stay until the package is written), 4 for exact normals.
+    /// About the most memory that a bake takes, in bytes a texel: 8 for the normals, 12 for each instance with bins (of
+    /// which about 7 stay until the package is written), 4 for exact normals, 20 for a pyramid, which instances share.
     ///
     /// For planning only. White noise below a roughness of 0.001, with nearly a bin to each texel, takes half as much
     /// again; flakes take three quarters of it.
     pub fn bytes_per_texel(&self) -> u64 {
         let exact = self.methods.iter().any(|method| method.exact_normals);
-        8 + 12 * self.instance_count() + if exact { 4 } else { 0 }
+        let structures = |method: &MethodRecipe| match method.method {
+            Method::FlakeBins | Method::SpecularBins => 12 * method.instance_count(),
+            Method::Lean => 20,
+        };
+        let structures: u64 = self.methods.iter().map(structures).sum();
+        8 + structures + if exact { 4 } else { 0 }
     }
 
     /// The cache key: BLAKE3 of the recipe's canonical bytes, the inputs' hashes and the algorithm's version.

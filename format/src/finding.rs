@@ -6,7 +6,8 @@ use core::fmt;
 /// Defines [`Fault`] and its texts in one table, so that a number, a sentence and its place cannot drift apart.
 macro_rules! faults {
     ($($(#[doc = $doc:literal])+ $name:ident = $number:literal, $text:literal;)+) => {
-        /// A kind of fault, with a stable number: 1xxx header, 2xxx section table and padding, 3xxx bins (31xx masking),
+        /// A kind of fault, with a stable number: 1xxx header, 2xxx section table and padding, 3xxx bins (31xx masking,
+        /// 32xx pyramids),
         /// 4xxx instances, 5xxx contents against checksums.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[repr(u16)]
@@ -97,6 +98,13 @@ faults! {
     ListTile = 3015, "the tiles of a block list are not those of its blocks";
     /// A masking value exceeds the one below it.
     MaskingOrder = 3101, "masking grows from the horizon towards the pole";
+
+    /// A mean of a pyramid beyond the disk.
+    MeanRange = 3201, "a mean of normals lies outside the unit disk";
+    /// A spread of a pyramid that no normals about their mean can have.
+    SpreadRange = 3202, "a spread of normals is larger than the unit disk has room for, or its correlation is no number";
+    /// A cell of a pyramid that is not the average of those below it.
+    MeanAverage = 3203, "the mean of a cell is not the average of the finer cells it covers";
 
     /// The instance's numbers contradict themselves or this version.
     InstanceField = 4001, "an instance record has a value that this version does not allow";

@@ -11,8 +11,8 @@ pub const MAJOR: u16 = 1;
 /// Raised when kinds, methods or feature bits are added, which old readers skip or refuse but never misread. A reader
 /// accepts any minor version.
 ///
-/// 1 added block lists, bin maps in blocks, and masking.
-pub const MINOR: u16 = 1;
+/// 1 added block lists, bin maps in blocks, and masking; 2 added pyramids of moments, and `lean` which reads them.
+pub const MINOR: u16 = 2;
 
 /// Every section starts at a multiple of this, so that it can be uploaded to a GPU as it is.
 ///

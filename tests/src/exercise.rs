@@ -94,7 +94,7 @@ fn variants(ndf: SurfaceNdf<'_>) -> Vec<SurfaceNdf<'_>> {
         }
     }
     if let SurfaceNdf::FlakeBins(ndf) = ndf
-        && ndf.instance().inverse != InverseKind::None
+        && inverse_of(&ndf) != InverseKind::None
     {
         let forced = [Lookup::Lists, Lookup::Scan];
         variants.extend(forced.map(|lookup| SurfaceNdf::FlakeBins(ndf.with_lookup(lookup))));
@@ -103,6 +103,12 @@ fn variants(ndf: SurfaceNdf<'_>) -> Vec<SurfaceNdf<'_>> {
     variants.extend([gaussian, gaussian.with_tolerance(0.0)]);
     variants.extend(gaussian.with_setting(Setting::Exact));
     variants
+}
+
+/// What finds the texels of a bin of `ndf`.
+fn inverse_of(ndf: &FlakeBins<'_>) -> InverseKind {
+    let bins = ndf.instance().bins();
+    bins.map_or(InverseKind::None, |bins| bins.inverse)
 }
 
 /// Whether `error` may answer a question that is in order.
@@ -225,7 +231,7 @@ fn compare_lookups(ndf: &FlakeBins<'_>, size: [u32; 2], is_sound: bool) {
             _ => HALF_VECTORS[number % HALF_VECTORS.len()],
         };
         // A bin map alone has no lists to look up.
-        let lists = match ndf.instance().inverse {
+        let lists = match inverse_of(ndf) {
             InverseKind::None => Lookup::Auto,
             InverseKind::Forest | InverseKind::Tiles => Lookup::Lists,
         };

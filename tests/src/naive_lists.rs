@@ -8,8 +8,8 @@ use glintbake_bake::normals::NormalMap;
 use glintbake_format::SectionId;
 use glintbake_format::model::{BinGrid, Binning, Filter, Method, disk_grid_resolution};
 use glintbake_format::records::{
-    BIN_MAP, BLOCKED_BIN_MAP, INSTANCES, Instance, InverseKind, LIST_BLOCKS, LIST_COUNTS,
-    LIST_KEYS, LIST_TILES, LISTS, ListStart, METADATA, OCCUPIED_BINS, PAGES, PageRecord,
+    BIN_MAP, BLOCKED_BIN_MAP, Bins, INSTANCES, Instance, InverseKind, LIST_BLOCKS, LIST_COUNTS,
+    LIST_KEYS, LIST_TILES, LISTS, ListStart, METADATA, OCCUPIED_BINS, PAGES, PageRecord, Structure,
     TileRecord,
 };
 use glintbake_format::view::KeyLayout;
@@ -70,12 +70,14 @@ pub fn package(map: &NormalMap, roughness: f64) -> Vec<u8> {
         width: map.width(),
         height: map.height(),
         roughness: Some(roughness),
-        grid,
-        inverse: InverseKind::Tiles,
-        leaf_size: 0,
         filter: Filter::Box,
-        index: bin_map.index,
-        key_count: bin_map.key_count,
+        structure: Structure::Bins(Bins {
+            grid,
+            inverse: InverseKind::Tiles,
+            leaf_size: 0,
+            index: bin_map.index,
+            key_count: bin_map.key_count,
+        }),
     };
     let mut plan = PackagePlan::new([0; 32]);
     plan.add_critical(SectionId::shared(INSTANCES), vec![instance.to_record()]);

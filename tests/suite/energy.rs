@@ -77,7 +77,7 @@ fn specular_bins_keep_all_energy() {
     let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
     let footprint = Stream::new(3).footprint(&map, 20.0);
     // Midpoints of the square are equal solid angles: the integral is exact up to rounding.
-    let grid = ndf.instance().grid;
+    let grid = ndf.instance().bins().unwrap().grid;
     let mut sum = 0.0;
     for row in 0..9 {
         for column in 0..9 {

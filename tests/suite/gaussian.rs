@@ -282,7 +282,7 @@ fn weights_of_all_bins_add_up_to_one() {
             let footprint = gaussian(&mut stream, &map, [sigma, 0.7 * sigma]);
             for (tolerance, allowed) in [(0.0, 1.5e-5), (0.125, 5e-3)] {
                 let ndf = ndf.with_tolerance(tolerance);
-                let resolution = ndf.instance().grid.resolution();
+                let resolution = ndf.instance().bins().unwrap().grid.resolution();
                 let mut all = BTreeMap::new();
                 for row in 0..resolution {
                     for column in 0..resolution {

@@ -24,7 +24,11 @@ fn version_1_is_sound_and_says_what_it_is() {
     assert_eq!(
         instances
             .iter()
-            .map(|instance| (instance.method, instance.roughness, instance.index))
+            .map(|instance| (
+                instance.method,
+                instance.roughness,
+                instance.bins().unwrap().index
+            ))
             .collect::<Vec<_>>(),
         [
             (Method::FlakeBins, Some(0.9), IndexKind::Dense),
@@ -45,7 +49,11 @@ fn version_1_1_is_sound_and_says_what_it_is() {
     check::full(&container, &mut |finding| panic!("{finding}"));
     let instance = container.instances().next().unwrap().unwrap();
     assert_eq!(
-        (instance.method, instance.roughness, instance.inverse),
+        (
+            instance.method,
+            instance.roughness,
+            instance.bins().unwrap().inverse
+        ),
         (Method::FlakeBins, Some(0.9), InverseKind::Tiles)
     );
     let kinds: Vec<_> = container

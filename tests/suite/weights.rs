@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 
 /// Weights of all bins of a coarse grid, gathered window by window.
 fn all_weights(ndf: &FlakeBins<'_>, footprint: &Footprint) -> BTreeMap<(u32, u32), f64> {
-    let grid = ndf.instance().grid;
+    let grid = ndf.instance().bins().unwrap().grid;
     let mut weights = BTreeMap::new();
     // Windows of 5 × 5 lie within 7 × 7 without corners, and tile the grid without overlap.
     let centres = || (2..grid.resolution() + 2).step_by(5);
@@ -41,7 +41,9 @@ fn all_weights(ndf: &FlakeBins<'_>, footprint: &Footprint) -> BTreeMap<(u32, u32
 fn flake_bins<'a>(package: &Package<'a>) -> FlakeBins<'a> {
     match package.ndf(1).expect("the fixture has an instance") {
         SurfaceNdf::FlakeBins(ndf) => ndf,
-        SurfaceNdf::SpecularBins(_) => panic!("the fixture was baked for flake-bins"),
+        SurfaceNdf::SpecularBins(_) | SurfaceNdf::Lean(_) => {
+            panic!("the fixture was baked for flake-bins")
+        }
     }
 }
 
@@ -275,7 +277,7 @@ fn weights_equal_the_oracles_where_texels_are_counted_by_the_hundred() {
             let bytes = flake_package(&map, &[alpha]);
             let package = Package::open(&bytes).expect("a fresh package opens");
             let ndf = flake_bins(&package);
-            let grid = ndf.instance().grid;
+            let grid = ndf.instance().bins().unwrap().grid;
             let mut stream = Stream::new(9);
             for thinness in [1.0, 2.0, 40.0] {
                 let footprint = box_at_random(&mut stream, [texels, texels / thinness], side, side);

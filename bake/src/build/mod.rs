@@ -7,3 +7,4 @@ pub mod forest;
 pub mod inverse_bin_map;
 pub mod masking;
 mod morton;
+pub mod pyramid;

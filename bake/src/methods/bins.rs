@@ -8,7 +8,7 @@ use crate::progress::Stage;
 use crate::recipe::{Chosen, MethodRecipe};
 use glintbake_format::model::BinGrid;
 use glintbake_format::records::{
-    BIN_MAP, BLOCKED_BIN_MAP, EXACT_NORMALS, Instance, InverseKind, OCCUPIED_BINS,
+    BIN_MAP, BLOCKED_BIN_MAP, Bins, EXACT_NORMALS, Instance, InverseKind, OCCUPIED_BINS, Structure,
 };
 use glintbake_format::view::KeyLayout;
 
@@ -24,13 +24,21 @@ pub(super) fn add_instance(
     bake: &mut Bake<'_>,
 ) -> Result<(), BakeError> {
     let (width, height) = (map.width(), map.height());
-    if width > MAX_SIDE || height > MAX_SIDE {
-        return Err(BakeError::MapTooLarge { width, height });
-    }
+    check_sides(map)?;
     bake.begin(Stage::Bins);
     let bin_map = bin_map::build(map, grid);
     bake.begin(Stage::Structures);
     let choice = inverse::choose(&bin_map, grid, recipe, [width, height]);
+    let bins = Bins {
+        grid,
+        inverse: choice.kind,
+        leaf_size: match choice.kind {
+            InverseKind::Forest => recipe.leaf_size,
+            InverseKind::Tiles | InverseKind::None => 0,
+        },
+        index: bin_map.index,
+        key_count: bin_map.key_count,
+    };
     let instance = Instance {
         layer: 0,
         number: bake.next_number(),
@@ -39,23 +47,15 @@ pub(super) fn add_instance(
         width,
         height,
         roughness,
-        grid,
-        inverse: choice.kind,
-        leaf_size: if choice.kind == InverseKind::Forest {
-            recipe.leaf_size
-        } else {
-            0
-        },
         filter: recipe.filter,
-        index: bin_map.index,
-        key_count: bin_map.key_count,
+        structure: Structure::Bins(bins),
     };
     bake.chosen.push(Chosen {
         instance: instance.number,
         inverse: choice.kind.name(),
         reason: choice.reason.clone(),
     });
-    inverse::add(choice, &bin_map, &instance, bake);
+    inverse::add(choice, &bin_map, &instance, bins.leaf_size, bake);
     add_bin_map(bin_map, &instance, bake);
     let mut left_out = |section, reason| bake.leave_out(&instance, section, reason);
     // Exact normals are places within bins: the finest bins place them best, and once is enough.
@@ -92,8 +92,27 @@ fn add_bin_map(bin_map: bin_map::BinMap, instance: &Instance, bake: &mut Bake) {
     }
 }
 
-/// Refuses a leaf size of zero.
-pub(super) fn check_leaf_size(recipe: &MethodRecipe) -> Result<(), BakeError> {
+/// Refuses a map larger than the format can say.
+pub(super) fn check_sides(map: &NormalMap) -> Result<(), BakeError> {
+    let (width, height) = (map.width(), map.height());
+    if width > MAX_SIDE || height > MAX_SIDE {
+        return Err(BakeError::MapTooLarge { width, height });
+    }
+    Ok(())
+}
+
+/// Refuses a leaf size of zero, and levels.
+pub(super) fn check_options(recipe: &MethodRecipe) -> Result<(), BakeError> {
+    if let Some(level) = recipe.finest_level {
+        return Err(BakeError::Option {
+            option: "--finest-level",
+            value: level.to_string(),
+            reason: format!(
+                "{} has no levels; leave the option out, or use lean",
+                recipe.method.name()
+            ),
+        });
+    }
     if recipe.leaf_size == 0 {
         return Err(BakeError::Option {
             option: "--leaf-size",

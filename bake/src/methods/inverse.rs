@@ -165,11 +165,17 @@ impl Lengths {
 }
 
 /// Adds what finds the texels of a bin to the package.
-pub(super) fn add(choice: Choice, bin_map: &BinMap, instance: &Instance, bake: &mut Bake<'_>) {
-    match instance.inverse {
+pub(super) fn add(
+    choice: Choice,
+    bin_map: &BinMap,
+    instance: &Instance,
+    leaf_size: u32,
+    bake: &mut Bake<'_>,
+) {
+    match choice.kind {
         InverseKind::Forest => {
             let inverse = inverse_bin_map::build(bin_map, instance.width, instance.height);
-            match forest::build(&inverse, instance.leaf_size) {
+            match forest::build(&inverse, leaf_size) {
                 Some(nodes) => bake.plan.add(instance.section(FOREST), nodes),
                 None => bake.leave_out(instance, "FRST", "no bin holds more texels than a leaf"),
             }

@@ -3,7 +3,9 @@
 mod bins;
 mod flake_bins;
 mod inverse;
+mod lean;
 mod masking;
+mod roughness;
 mod specular_bins;
 
 use crate::error::BakeError;
@@ -38,7 +40,11 @@ pub trait BakeMethod: Sync {
 }
 
 /// Every method that can be baked.
-pub const REGISTRY: &[&dyn BakeMethod] = &[&flake_bins::FlakeBins, &specular_bins::SpecularBins];
+pub const REGISTRY: &[&dyn BakeMethod] = &[
+    &flake_bins::FlakeBins,
+    &specular_bins::SpecularBins,
+    &lean::Lean,
+];
 
 /// The baker of `method`.
 pub fn find(method: Method) -> Option<&'static dyn BakeMethod> {

@@ -17,7 +17,7 @@ impl BakeMethod for SpecularBins {
     }
 
     fn check(&self, recipe: &MethodRecipe) -> Result<(), BakeError> {
-        bins::check_leaf_size(recipe)?;
+        bins::check_options(recipe)?;
         if let Some(alpha) = recipe.roughness.first() {
             return Err(BakeError::Option {
                 option: "--roughness",

@@ -12,15 +12,19 @@
 //! | masking G1 of the map's own normals | [`masking`] | \[AWKK21\] eq. 5 |
 //! | D and its pdf, Beckmann flakes | [`flake_bins`] | \[AWKK21\] eq. 11, 15, 18 |
 //! | D and its pdf, specular flakes | [`specular_bins`] | \[ABKK20\] §2 |
+//! | D and its pdf, Gaussians on the disk | [`disk`] | \[YHJ*14\] |
+//! | the model of `lean`: one lobe by MIP-mapped moments | [`lean`] | \[OB10\], \[Tok05\] |
 //!
 //! Cost is no concern: a query visits every texel under its footprint.
 
 mod beckmann;
 mod direction;
+pub mod disk;
 mod double_double;
 pub mod flake_bins;
 mod gauss_legendre;
 mod gaussian;
+pub mod lean;
 mod masking;
 mod polygon;
 mod segment;

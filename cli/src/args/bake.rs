@@ -20,7 +20,8 @@ pub struct BakeArgs {
     #[arg(long, short)]
     pub output: PathBuf,
 
-    /// Methods to bake for, with commas between: flake-bins (rough flakes), specular-bins (mirrors)
+    /// Methods to bake for, with commas between: flake-bins (rough flakes), specular-bins (mirrors),
+    /// lean (one Gaussian lobe, for distant surfaces)
     #[arg(long, value_delimiter = ',', default_value = "flake-bins", value_parser = method)]
     pub method: Vec<Method>,
 
@@ -58,6 +59,10 @@ pub struct BakeArgs {
     #[arg(long, value_name = "N")]
     pub leaf_size: Option<u32>,
 
+    /// Finest level of lean's pyramid: 0 the texels, each next one of twice their size [default: 0]
+    #[arg(long, value_name = "N")]
+    pub finest_level: Option<u32>,
+
     /// Store true normals as well (4 bytes a texel), for `query --exact`
     #[arg(long)]
     pub exact_normals: bool,
@@ -71,7 +76,7 @@ pub struct BakeArgs {
     pub decode: DecodeArgs,
 
     /// Most memory a bake may take, as in 6GB or 500MB; a map that would take more is refused before it is read.
-    /// Counted as 8 bytes a texel and 12 for each instance
+    /// Counted as 8 bytes a texel, 12 for each instance with bins and 20 for lean
     #[arg(long, default_value = "16GB", value_name = "SIZE", value_parser = memory)]
     pub memory: u64,
 
@@ -286,26 +291,33 @@ impl BakeArgs {
         error.into()
     }
 
+    /// Whether an option that `takers` take goes to `method`: to each of them, or to the first method if none is named.
+    fn goes_to(&self, method: Method, takers: &[Method]) -> bool {
+        let is_taken = self.method.iter().any(|named| takers.contains(named));
+        takers.contains(&method) || (!is_taken && self.method.first() == Some(&method))
+    }
+
     fn unchecked_recipe(&self) -> Recipe {
         let roughness = all_roughness(&self.roughness, &self.intrinsic_roughness);
-        let several = self.method.len() > 1;
         let methods = self
             .method
             .iter()
             .map(|&method| {
-                let rough = method == Method::FlakeBins;
+                let goes = |takers: &[Method]| self.goes_to(method, takers);
+                let rough = goes(&[Method::FlakeBins, Method::Lean]);
+                let binned = goes(&[Method::FlakeBins, Method::SpecularBins]);
                 MethodRecipe {
                     method,
-                    roughness: if rough || !several {
-                        roughness.clone()
-                    } else {
-                        Vec::new()
-                    },
-                    bins: self.bins.filter(|_| !rough || !several),
+                    roughness: if rough { roughness.clone() } else { Vec::new() },
+                    bins: self.bins.filter(|_| goes(&[Method::SpecularBins])),
                     filter: self.filter,
-                    inverse: self.index.0,
-                    leaf_size: self.leaf_size.unwrap_or(DEFAULT_LEAF_SIZE),
-                    exact_normals: self.exact_normals && (rough || !several),
+                    inverse: self.index.0.filter(|_| binned),
+                    leaf_size: self
+                        .leaf_size
+                        .filter(|_| binned)
+                        .unwrap_or(DEFAULT_LEAF_SIZE),
+                    finest_level: self.finest_level.filter(|_| goes(&[Method::Lean])),
+                    exact_normals: self.exact_normals && goes(&[Method::FlakeBins]),
                     masking: !self.no_masking,
                 }
             })

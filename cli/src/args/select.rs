@@ -5,13 +5,14 @@ use clap::Args;
 use glintbake_format::model::{
     Filter, METHODS, Method, Neighbourhood, beckmann_from_intrinsic, intrinsic_from_beckmann,
 };
+use glintbake_format::records::Structure;
 use glintbake_runtime::ndf::DEFAULT_TOLERANCE;
-use glintbake_runtime::{Ndf, Package, Setting, SurfaceNdf};
+use glintbake_runtime::{Package, Setting, SurfaceNdf};
 
 /// What to evaluate; all of it can be left out.
 #[derive(Debug, Args, Clone, Default)]
 pub struct SettingArgs {
-    /// Method to answer with, flake-bins or specular-bins; the package's first if left out
+    /// Method to answer with, flake-bins, specular-bins or lean; the package's first if left out
     #[arg(long, value_parser = method)]
     pub method: Option<Method>,
 
@@ -100,7 +101,17 @@ impl SettingArgs {
                     "--tolerance: only Gaussian footprints have one; add --filter gaussian, or leave it out",
                 ));
             }
+            Filter::Gaussian if instance.bins().is_none() && self.tolerance.is_some() => {
+                return Err(CommandError::new(
+                    Failure::Usage,
+                    format!(
+                        "--tolerance: {} weighs no texels and has none; leave it out",
+                        instance.method.name()
+                    ),
+                ));
+            }
             Filter::Box => String::new(),
+            Filter::Gaussian if instance.bins().is_none() => String::new(),
             // These sum over texels and never weigh any together.
             Filter::Gaussian if self.exact => " tolerance=0".to_owned(),
             Filter::Gaussian => format!(" tolerance={tolerance}"),
@@ -118,12 +129,15 @@ impl SettingArgs {
             .roughness
             .map(|alpha| format!(" roughness={alpha}"))
             .unwrap_or_default();
+        let structure = match instance.structure {
+            Structure::Bins(bins) => format!("bins={}", bins.grid.resolution()),
+            Structure::Pyramid { finest_level } => format!("finest-level={finest_level}"),
+        };
         let description = format!(
-            "method={} kernel={} filter={}{tolerance_said}{roughness} bins={} setting={}",
+            "method={} kernel={} filter={}{tolerance_said}{roughness} {structure} setting={}",
             instance.method.name(),
             instance.method.kernel().name(),
             filter.name(),
-            ndf.instance().grid.resolution(),
             ndf.setting_name(),
         );
         Ok(QuerySettings { ndf, description })
@@ -157,11 +171,14 @@ impl SettingArgs {
                     instance.method.name(),
                     intrinsic_from_beckmann(alpha)
                 ),
-                None => format!(
-                    "{} with {} bins a side",
-                    instance.method.name(),
-                    instance.grid.resolution()
-                ),
+                None => match instance.bins() {
+                    Some(bins) => format!(
+                        "{} with {} bins a side",
+                        instance.method.name(),
+                        bins.grid.resolution()
+                    ),
+                    None => instance.method.name().to_owned(),
+                },
             })
             .collect();
         CommandError::new(

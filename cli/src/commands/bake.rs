@@ -166,9 +166,12 @@ fn coarse_lattice_warnings(
         return;
     };
     for instance in package.instances() {
-        let bin = 2.0 / f64::from(instance.grid.resolution());
+        let Some(bins) = instance.bins() else {
+            continue;
+        };
+        let bin = 2.0 / f64::from(bins.grid.resolution());
         if let Some(alpha) = instance.roughness
-            && instance.grid.binning() == Binning::DiskGrid
+            && bins.grid.binning() == Binning::DiskGrid
             && step > bin
         {
             console.warn(format_args!(

@@ -1,7 +1,8 @@
 //! Words for what a package holds, shared by the commands that name it.
 
 use crate::exit::{CommandError, Failure};
-use glintbake_format::records::{InverseKind, METADATA};
+use glintbake_format::model::PyramidLayout;
+use glintbake_format::records::{InverseKind, METADATA, Structure};
 use glintbake_format::{Fault, Finding, SectionId};
 use glintbake_runtime::{Instance, Package};
 use serde_json::{Value, json};
@@ -34,42 +35,66 @@ pub(super) fn instance(instance: &Instance) -> String {
         .roughness
         .map(|alpha| format!(", roughness {alpha}"))
         .unwrap_or_default();
-    let inverse = match instance.inverse {
-        InverseKind::Forest => format!("forest of leaf size {}", instance.leaf_size),
-        InverseKind::Tiles => "tile lists".to_owned(),
-        InverseKind::None => "bin map alone".to_owned(),
+    let structure = match instance.structure {
+        Structure::Bins(bins) => {
+            let inverse = match bins.inverse {
+                InverseKind::Forest => format!("forest of leaf size {}", bins.leaf_size),
+                InverseKind::Tiles => "tile lists".to_owned(),
+                InverseKind::None => "bin map alone".to_owned(),
+            };
+            let b = bins.grid.resolution();
+            format!("{b} x {b} bins, {inverse}, {} index", bins.index.name())
+        }
+        Structure::Pyramid { finest_level } => {
+            format!("levels {finest_level} to {}", top(instance))
+        }
     };
     format!(
-        "instance {}: {} {} x {}{roughness}, {b} x {b} bins, {inverse}, {} index, {}",
+        "instance {}: {} {} x {}{roughness}, {structure}, {}",
         instance.number,
         instance.method.name(),
         instance.width,
         instance.height,
-        instance.index.name(),
         instance.wrap.name(),
-        b = instance.grid.resolution(),
     )
 }
 
-/// An instance as a JSON document.
+/// The level of one cell over the map of `instance`.
+fn top(instance: &Instance) -> u32 {
+    PyramidLayout::top_of(instance.width, instance.height)
+}
+
+/// An instance as a JSON document: what all have, and what its structure has.
 pub(super) fn instance_document(instance: &Instance) -> Value {
-    json!({
-        "binning": instance.grid.binning().name(),
-        "bins-per-side": instance.grid.resolution(),
+    let mut document = json!({
         "filter": instance.filter.name(),
         "height": instance.height,
-        "index": instance.index.name(),
-        "inverse": instance.inverse.name(),
         "kernel": instance.method.kernel().name(),
-        "keys": instance.key_count,
         "layer": instance.layer,
-        "leaf-size": instance.leaf_size,
         "method": instance.method.name(),
         "number": instance.number,
         "roughness": instance.roughness,
         "width": instance.width,
         "wrap": instance.wrap.name(),
-    })
+    });
+    let structure = match instance.structure {
+        Structure::Bins(bins) => json!({
+            "binning": bins.grid.binning().name(),
+            "bins-per-side": bins.grid.resolution(),
+            "index": bins.index.name(),
+            "inverse": bins.inverse.name(),
+            "keys": bins.key_count,
+            "leaf-size": bins.leaf_size,
+        }),
+        Structure::Pyramid { finest_level } => json!({
+            "finest-level": finest_level,
+            "top-level": top(instance),
+        }),
+    };
+    if let (Value::Object(document), Value::Object(structure)) = (&mut document, structure) {
+        document.extend(structure);
+    }
+    document
 }
 
 /// What the statistics in `metadata` say of the normals, in sentences; none if the package has none.

@@ -6,7 +6,7 @@ use super::baselines::point_sampling::PointSampling;
 use super::machine::PeakMemory;
 use super::plan::Plan;
 use super::subject::{self, Subject, Variant};
-use crate::report::document::{Contestant, PackageReport, Role};
+use crate::report::document::{Contestant, PackageReport, Role, Skipped};
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::{BakeError, MethodRecipe, Recipe, bake};
 use glintbake_format::model::{
@@ -30,6 +30,8 @@ pub struct Field<'m> {
     forests: Vec<(f64, PaperForest)>,
     /// What each of them takes.
     pub packages: Vec<PackageReport>,
+    /// What does not fit the map.
+    pub skipped: Vec<Skipped>,
 }
 
 /// A variant of a method, baked.
@@ -123,6 +125,7 @@ impl<'m> Field<'m> {
             scan: None,
             forests: Vec::new(),
             packages: Vec::new(),
+            skipped: Vec::new(),
         };
         for &filter in &plan.filters {
             for &method in &plan.methods {
@@ -149,7 +152,8 @@ impl<'m> Field<'m> {
         let contestant = contestant(variant);
         let recipe = variant.recipe_for(roughness.unwrap_or_default());
         let is_done = |baked: &Baked| baked.contestant == contestant && baked.recipe == recipe;
-        if self.baked.iter().any(is_done) {
+        let is_skipped = |skipped: &Skipped| skipped.contestant == contestant;
+        if self.baked.iter().any(is_done) || self.skipped.iter().any(is_skipped) {
             return Ok(());
         }
         let whole = Recipe::new(vec![recipe.clone()]);
@@ -159,7 +163,19 @@ impl<'m> Field<'m> {
         for _ in 0..bakes {
             let watch = PeakMemory::watch();
             let start = Instant::now();
-            bytes = bake(self.map, &whole, None)?.to_bytes();
+            bytes = match bake(self.map, &whole, None) {
+                Ok(plan) => plan.to_bytes(),
+                // Roughness is checked before; what is left is the variant's, such as a level that a small map lacks.
+                Err(error @ BakeError::Option { .. }) => {
+                    self.skipped.push(Skipped {
+                        contestant,
+                        cell: None,
+                        reason: error.to_string(),
+                    });
+                    return Ok(());
+                }
+                Err(error) => return Err(error),
+            };
             seconds = seconds.min(start.elapsed().as_secs_f64());
             peak = peak.max(watch.added());
         }

@@ -6,6 +6,7 @@ use super::entrants::{Entrant, Field};
 use super::errors::{LIT, at_equal_time, energy, errors};
 use super::plan::{ANISOTROPIES, KINDS, Plan, Shape, sigmas};
 use super::stream::Stream;
+use super::subject::standard_normal;
 use crate::report::document::{Cell, HalfVectors, MapReport, Row, Skipped, Times};
 use glintbake_bake::BakeError;
 use glintbake_bake::normals::NormalMap;
@@ -47,6 +48,7 @@ pub fn measure<E: From<MeasureError>>(
 ) -> Result<(), E> {
     let field = Field::new(map, plan).map_err(MeasureError::Bake)?;
     report.packages.clone_from(&field.packages);
+    report.skipped.clone_from(&field.skipped);
     let sigmas = if plan.sigmas.is_empty() {
         sigmas(map)
     } else {
@@ -167,7 +169,7 @@ impl Neighbours {
         let footprints = shape.row(plan.effort.queries, map, &mut stream);
         let spread = plan.roughness.first().copied().unwrap_or(0.01);
         let queries = footprints.into_iter().map(|footprint| {
-            let [s, t] = stream.gaussian().map(|x| 0.5 * spread * x);
+            let [s, t] = standard_normal(stream.uniforms()).map(|x| 0.5 * spread * x);
             let half_vector = match kind {
                 HalfVectors::Found => {
                     let normal = normal_at(map, footprint.centre);

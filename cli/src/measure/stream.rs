@@ -1,7 +1,5 @@
 //! Numbers that depend on a seed alone.
 
-use std::f64::consts::TAU;
-
 /// A stream of uniform numbers: a counter, mixed (a Weyl sequence, finalised as in `MurmurHash3`).
 #[derive(Clone, Debug)]
 pub struct Stream(u64);
@@ -30,14 +28,6 @@ impl Stream {
     /// The next `N` numbers in [0, 1).
     pub fn uniforms<const N: usize>(&mut self) -> [f64; N] {
         std::array::from_fn(|_| self.uniform())
-    }
-
-    /// Two independent numbers of the standard normal distribution (Box and Muller 1958).
-    pub fn gaussian(&mut self) -> [f64; 2] {
-        let [radius, angle] = self.uniforms();
-        let radius = (-2.0 * libm::log1p(-radius)).sqrt();
-        let angle = TAU * angle;
-        [radius * libm::cos(angle), radius * libm::sin(angle)]
     }
 }
 

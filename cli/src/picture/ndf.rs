@@ -274,8 +274,8 @@ mod tests {
         let bytes = fixtures::flakes(Method::SpecularBins, &[]);
         let ndf = fixtures::ndf(&bytes);
         assert_eq!(
-            ndf.instance().grid.binning(),
-            Binning::EqualSolidAngle,
+            ndf.instance().bins().map(|bins| bins.grid.binning()),
+            Some(Binning::EqualSolidAngle),
             "the map is without a kernel"
         );
         let whole = Footprint {

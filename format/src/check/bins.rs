@@ -36,7 +36,7 @@ fn try_check(
 
 fn check_keys(tables: &BinTables<'_>, report: &mut dyn FnMut(Finding)) {
     let mut limited = Limited::new(report);
-    let key_count = tables.instance.key_count;
+    let key_count = tables.bins.key_count;
     for place in 0..tables.bin_map.len() {
         let Some(key) = tables.bin_map.key_at(place) else {
             continue;
@@ -74,7 +74,7 @@ fn check_occupied(tables: &BinTables<'_>, report: &mut dyn FnMut(Finding)) {
     let mut least = 0;
     for (place, bin) in (0..).zip(tables.index.occupied()) {
         let bin = bin.get();
-        if bin < least || bin >= tables.instance.grid.count() {
+        if bin < least || bin >= tables.bins.grid.count() {
             limited.report(
                 Finding::new(Fault::OccupiedBins)
                     .within(tables.instance.section(OCCUPIED_BINS))

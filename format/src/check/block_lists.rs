@@ -38,7 +38,7 @@ pub(super) fn check(
         let mut least = 0;
         for (place, number) in (0..).zip(range) {
             let key = lists.key(number, place);
-            if key < least || key >= tables.instance.key_count {
+            if key < least || key >= tables.bins.key_count {
                 faults.report(Fault::ListKey, LIST_KEYS, number);
             }
             least = key.saturating_add(1);

@@ -20,7 +20,7 @@ pub(super) fn check(
     match inverse.forest {
         Some(nodes) => check_forest(tables, inverse, nodes, report),
         None if lists(tables, inverse)
-            .any(|(_, list)| list.len() > instance.leaf_size as usize) =>
+            .any(|(_, list)| list.len() > tables.bins.leaf_size as usize) =>
         {
             return Err(Finding::new(Fault::SectionMissing).within(instance.section(FOREST)));
         }
@@ -33,7 +33,7 @@ fn check_offsets(tables: &BinTables<'_>, inverse: &InverseBinMap<'_>) -> Result<
     let finding = Finding::new(Fault::IndexOrder).within(tables.instance.section(INDEX));
     let texels = u64::from(tables.instance.texel_count());
     let mut end = 0;
-    for key in 0..tables.instance.key_count {
+    for key in 0..tables.bins.key_count {
         let list = inverse.list(key)?;
         if u64::from(list.start) != end {
             return Err(finding
@@ -54,7 +54,7 @@ fn lists(
     inverse: &InverseBinMap<'_>,
 ) -> impl Iterator<Item = (u32, Range<usize>)> {
     let inverse = *inverse;
-    (0..tables.instance.key_count).filter_map(move |key| {
+    (0..tables.bins.key_count).filter_map(move |key| {
         let list = inverse.list(key).ok()?;
         Some((key, list.start as usize..list.end as usize))
     })
@@ -107,7 +107,7 @@ fn check_forest(
     let mut next_unused = 0;
     for (_, list) in lists(tables, inverse) {
         let (start, length) = (list.start as u32, list.len() as u32);
-        let shape = ForestShape::new(start, length, tables.instance.leaf_size);
+        let shape = ForestShape::new(start, length, tables.bins.leaf_size);
         if shape.depth() == 0 {
             continue;
         }

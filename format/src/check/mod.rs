@@ -8,10 +8,11 @@ mod bins;
 mod block_lists;
 mod inverse_bin_map;
 mod masking;
+mod pyramid;
 
 use crate::Container;
 use crate::finding::{Fault, Finding};
-use crate::records::METADATA;
+use crate::records::{METADATA, Structure};
 use crate::section::SectionId;
 use crate::version::MAX_METADATA;
 
@@ -23,7 +24,10 @@ pub fn structure(container: &Container<'_>, report: &mut dyn FnMut(Finding)) {
     for instance in container.instances() {
         match instance {
             Ok(instance) => {
-                bins::check(container, &instance, report);
+                match instance.structure {
+                    Structure::Bins(_) => bins::check(container, &instance, report),
+                    Structure::Pyramid { .. } => pyramid::check(container, &instance, report),
+                }
                 masking::check(container, &instance, report);
             }
             Err(finding) => report(finding),

@@ -8,10 +8,12 @@ pub enum Method {
     FlakeBins = 1,
     /// Equal-solid-angle bins over an inverse bin map, specular flakes \[ABKK20\].
     SpecularBins = 2,
+    /// One Gaussian lobe per cell of a MIP pyramid \[OB10\].
+    Lean = 3,
 }
 
 /// Every method this version knows, in order of its code.
-pub const METHODS: &[Method] = &[Method::FlakeBins, Method::SpecularBins];
+pub const METHODS: &[Method] = &[Method::FlakeBins, Method::SpecularBins, Method::Lean];
 
 impl Method {
     /// The method stored as `code`, if this version knows it.
@@ -34,6 +36,7 @@ impl Method {
         match self {
             Self::FlakeBins => "flake-bins",
             Self::SpecularBins => "specular-bins",
+            Self::Lean => "lean",
         }
     }
 
@@ -42,6 +45,7 @@ impl Method {
         match self {
             Self::FlakeBins => Kernel::Beckmann,
             Self::SpecularBins => Kernel::BinAverage,
+            Self::Lean => Kernel::Disk,
         }
     }
 }
@@ -54,7 +58,8 @@ pub enum Kernel {
     Beckmann = 1,
     /// No kernel: the density averaged over the half vector's bin.
     BinAverage = 2,
-    /// Gaussian on the projected disk about each texel's normal.
+    /// Gaussian of standard deviation `α / √2` about each texel's normal on the projected disk; what it leaves of the disk
+    /// is the probability of no vector \[YHJ*14\].
     Disk = 3,
 }
 

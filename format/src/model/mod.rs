@@ -9,6 +9,7 @@ mod forest;
 mod masking;
 mod method;
 mod normal;
+mod pyramid;
 
 pub use bins::{BinGrid, Binning, Neighbourhood, disk_grid_resolution};
 pub use blocks::{
@@ -20,3 +21,4 @@ pub use forest::{ForestShape, morton_index};
 pub use masking::{MaskingGrid, MaskingPlace};
 pub use method::{Kernel, METHODS, Method, beckmann_from_intrinsic, intrinsic_from_beckmann};
 pub use normal::HalfVector;
+pub use pyramid::PyramidLayout;

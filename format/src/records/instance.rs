@@ -1,7 +1,7 @@
 //! Instance records: what was baked, by which method, and with which numbers.
 
 use crate::finding::{Fault, Finding};
-use crate::model::{BinGrid, Binning, Filter, Method, Wrap};
+use crate::model::{BinGrid, Binning, Filter, Kernel, Method, PyramidLayout, Wrap};
 use crate::records::INSTANCES;
 use crate::section::SectionId;
 use core::ops::RangeInclusive;
@@ -88,28 +88,57 @@ pub struct InstanceRecord {
     pub height: U32,
     /// 16: Beckmann roughness α; 0 for a method without a kernel.
     pub roughness: F64,
-    /// 24: bins per side.
+    /// 24: bins per side; 0 without bins.
     pub bin_resolution: U32,
     /// 28: the longest list that is scanned without a tree; 0 without a forest.
     pub leaf_size: U32,
-    /// 32: binning.
+    /// 32: binning; 0 without bins.
     pub binning: U16,
     /// 34: filter of a query that names none.
     pub filter: U16,
-    /// 36: index kind.
+    /// 36: index kind; 0 without bins.
     pub index: U16,
-    /// 38: inverse kind.
+    /// 38: inverse kind; 0 without bins.
     pub inverse: U16,
-    /// 40: number of keys the index has.
+    /// 40: number of keys the index has; 0 without bins.
     pub key_count: U32,
-    /// 44: zero.
-    pub reserved: [u8; 20],
+    /// 44: finest level of a pyramid; 0 without one.
+    pub finest_level: U32,
+    /// 48: zero.
+    pub reserved: [u8; 16],
 }
 
 const _: () = assert!(
     size_of::<InstanceRecord>() == 64,
     "an instance record is 64 bytes"
 );
+
+/// Normals by bin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bins {
+    /// The bins.
+    pub grid: BinGrid,
+    /// How the texels of a bin are found.
+    pub inverse: InverseKind,
+    /// The longest list that is scanned without a tree, at least 1; 0 without a forest.
+    pub leaf_size: u32,
+    /// How keys find their bin.
+    pub index: IndexKind,
+    /// Number of keys the index has.
+    pub key_count: u32,
+}
+
+/// What an instance keeps of the map's normals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Structure {
+    /// The bin of each texel, and what finds the texels of a bin.
+    Bins(Bins),
+    /// Moments of the normals in the cells of a [`PyramidLayout`].
+    Pyramid {
+        /// The finest level stored, 0 for the texels themselves.
+        finest_level: u32,
+    },
+}
 
 /// An instance with its numbers checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,18 +157,10 @@ pub struct Instance {
     pub height: u32,
     /// Beckmann roughness α, 1e-9 to 1e9; `None` for a method without a kernel.
     pub roughness: Option<f64>,
-    /// The bins.
-    pub grid: BinGrid,
-    /// How the texels of a bin are found.
-    pub inverse: InverseKind,
-    /// The longest list that is scanned without a tree, at least 1; 0 without a forest.
-    pub leaf_size: u32,
     /// Filter of a query that names none.
     pub filter: Filter,
-    /// How keys find their bin.
-    pub index: IndexKind,
-    /// Number of keys the index has.
-    pub key_count: u32,
+    /// What it keeps of the map's normals.
+    pub structure: Structure,
 }
 
 impl Instance {
@@ -153,9 +174,27 @@ impl Instance {
         SectionId::of_instance(self.layer, self.number, kind)
     }
 
+    /// The bins, of a method that has them.
+    pub const fn bins(&self) -> Option<Bins> {
+        match self.structure {
+            Structure::Bins(bins) => Some(bins),
+            Structure::Pyramid { .. } => None,
+        }
+    }
+
+    /// The layout of the pyramid, of a method that has one.
+    pub const fn pyramid(&self) -> Option<PyramidLayout> {
+        match self.structure {
+            Structure::Bins(_) => None,
+            Structure::Pyramid { finest_level } => {
+                PyramidLayout::new(self.width, self.height, finest_level)
+            }
+        }
+    }
+
     /// The record that stores this instance.
     pub fn to_record(self) -> InstanceRecord {
-        InstanceRecord {
+        let record = InstanceRecord {
             layer: U16::new(self.layer),
             number: U16::new(self.number),
             method: U16::new(self.method.code()),
@@ -163,21 +202,38 @@ impl Instance {
             width: U32::new(self.width),
             height: U32::new(self.height),
             roughness: F64::new(self.roughness.unwrap_or(0.0)),
-            bin_resolution: U32::new(self.grid.resolution()),
-            leaf_size: U32::new(self.leaf_size),
-            binning: U16::new(self.grid.binning() as u16),
+            bin_resolution: U32::ZERO,
+            leaf_size: U32::ZERO,
+            binning: U16::ZERO,
             filter: U16::new(self.filter as u16),
-            index: U16::new(self.index as u16),
-            inverse: U16::new(self.inverse as u16),
-            key_count: U32::new(self.key_count),
-            reserved: [0; 20],
+            index: U16::ZERO,
+            inverse: U16::ZERO,
+            key_count: U32::ZERO,
+            finest_level: U32::ZERO,
+            reserved: [0; 16],
+        };
+        match self.structure {
+            Structure::Bins(bins) => InstanceRecord {
+                bin_resolution: U32::new(bins.grid.resolution()),
+                leaf_size: U32::new(bins.leaf_size),
+                binning: U16::new(bins.grid.binning() as u16),
+                index: U16::new(bins.index as u16),
+                inverse: U16::new(bins.inverse as u16),
+                key_count: U32::new(bins.key_count),
+                ..record
+            },
+            Structure::Pyramid { finest_level } => InstanceRecord {
+                finest_level: U32::new(finest_level),
+                ..record
+            },
         }
     }
 
     /// The instance stored in `record`, found at place `place` of its section.
     ///
     /// # Errors
-    /// [`Fault::UnknownMethod`], [`Fault::InstanceNumber`] or [`Fault::InstanceField`], with the record's place.
+    /// [`Fault::UnknownMethod`], [`Fault::InstanceNumber`], [`Fault::InstanceField`] or [`Fault::ReservedNotZero`] (also
+    /// of a field that means nothing for the method), with the record's place.
     pub fn from_record(record: &InstanceRecord, place: u64) -> Result<Self, Finding> {
         let finding = |fault| {
             Finding::new(fault)
@@ -195,55 +251,75 @@ impl Instance {
             side @ 1..=0xFFFF => Ok(side),
             other => Err(field.values(0xFFFF, u64::from(other))),
         };
-        let binning = Binning::from_code(record.binning.get()).ok_or(field)?;
-        let expected_binning = match method {
-            Method::FlakeBins => Binning::DiskGrid,
-            Method::SpecularBins => Binning::EqualSolidAngle,
-        };
-        if binning != expected_binning {
-            return Err(field);
-        }
-        let roughness = match (method, record.roughness.get()) {
-            (Method::FlakeBins, alpha) if ROUGHNESS.contains(&alpha) => Some(alpha),
-            (Method::SpecularBins, 0.0) => None,
+        let (width, height) = (side(record.width)?, side(record.height)?);
+        let roughness = match (method.kernel(), record.roughness.get()) {
+            (Kernel::Beckmann | Kernel::Disk, alpha) if ROUGHNESS.contains(&alpha) => Some(alpha),
+            (Kernel::BinAverage, 0.0) => None,
             _ => return Err(field),
         };
-        let index = match record.index.get() {
-            0 => IndexKind::Dense,
-            1 => IndexKind::Sparse,
-            other => return Err(field.values(1, u64::from(other))),
+        let texels = width.wrapping_mul(height);
+        let structure = match method {
+            Method::FlakeBins => bins_of(record, Binning::DiskGrid, texels, field)?,
+            Method::SpecularBins => bins_of(record, Binning::EqualSolidAngle, texels, field)?,
+            Method::Lean => {
+                let finest_level = record.finest_level.get();
+                PyramidLayout::new(width, height, finest_level)
+                    .ok_or(field.values(0, u64::from(finest_level)))?;
+                Structure::Pyramid { finest_level }
+            }
         };
-        let inverse = InverseKind::from_code(record.inverse.get())
-            .ok_or(field.values(2, u64::from(record.inverse.get())))?;
-        let grid = BinGrid::new(binning, record.bin_resolution.get()).ok_or(field)?;
-        let key_count = record.key_count.get();
         let instance = Self {
             layer: record.layer.get(),
             number,
             method,
             wrap: Wrap::from_code(record.wrap.get()).ok_or(field)?,
-            width: side(record.width)?,
-            height: side(record.height)?,
+            width,
+            height,
             roughness,
-            grid,
-            inverse,
-            leaf_size: record.leaf_size.get(),
             filter: Filter::from_code(record.filter.get()).ok_or(field)?,
-            index,
-            key_count,
+            structure,
         };
-        let keys_fit = match index {
-            IndexKind::Dense => key_count == grid.count(),
-            IndexKind::Sparse => key_count <= grid.count() && key_count <= instance.texel_count(),
-        };
-        let leaves_fit = (instance.leaf_size > 0) == (inverse == InverseKind::Forest);
-        if !keys_fit || key_count == 0 || key_count == u32::MAX || !leaves_fit {
-            return Err(field);
-        }
-        // Also catches reserved bytes, and a negative zero where zero is canonical.
+        // Also catches fields of other structures, and a negative zero where zero is canonical.
         if instance.to_record().as_bytes() != record.as_bytes() {
             return Err(finding(Fault::ReservedNotZero));
         }
         Ok(instance)
     }
+}
+
+/// The bins of `record`, which must be laid out by `expected` and not have more keys than a map of `texels` texels can;
+/// `field` is the finding if they are not.
+fn bins_of(
+    record: &InstanceRecord,
+    expected: Binning,
+    texels: u32,
+    field: Finding,
+) -> Result<Structure, Finding> {
+    let binning = Binning::from_code(record.binning.get()).ok_or(field)?;
+    if binning != expected {
+        return Err(field);
+    }
+    let index = match record.index.get() {
+        0 => IndexKind::Dense,
+        1 => IndexKind::Sparse,
+        other => return Err(field.values(1, u64::from(other))),
+    };
+    let inverse = InverseKind::from_code(record.inverse.get())
+        .ok_or(field.values(2, u64::from(record.inverse.get())))?;
+    let bins = Bins {
+        grid: BinGrid::new(binning, record.bin_resolution.get()).ok_or(field)?,
+        inverse,
+        leaf_size: record.leaf_size.get(),
+        index,
+        key_count: record.key_count.get(),
+    };
+    let keys_fit = match index {
+        IndexKind::Dense => bins.key_count == bins.grid.count(),
+        IndexKind::Sparse => bins.key_count <= bins.grid.count() && bins.key_count <= texels,
+    };
+    let leaves_fit = (bins.leaf_size > 0) == (inverse == InverseKind::Forest);
+    if !keys_fit || bins.key_count == 0 || bins.key_count == u32::MAX || !leaves_fit {
+        return Err(field);
+    }
+    Ok(Structure::Bins(bins))
 }

@@ -4,11 +4,13 @@ mod bins;
 mod blocks;
 mod instance;
 mod masking;
+mod pyramid;
 
 pub use bins::{BoxRecord, ExactNormal, ForestNode, TexelPosition};
 pub use blocks::{ListStart, PageRecord, TileRecord};
-pub use instance::{IndexKind, Instance, InstanceRecord, InverseKind};
+pub use instance::{Bins, IndexKind, Instance, InstanceRecord, InverseKind, Structure};
 pub use masking::MaskingValue;
+pub use pyramid::{NarrowMean, SpreadRecord, WideMean};
 
 use crate::section::FourCc;
 
@@ -44,6 +46,10 @@ pub const LIST_TILES: FourCc = FourCc(*b"LTIL");
 pub const EXACT_NORMALS: FourCc = FourCc(*b"EXNM");
 /// Masking: what the map's normals hide of each other, a table over directions.
 pub const MASKING: FourCc = FourCc(*b"MASK");
+/// Means of normals in the cells of a pyramid, level by level from the finest, 4 or 8 bytes each.
+pub const MEANS: FourCc = FourCc(*b"MEAN");
+/// Spreads of normals in the cells of a pyramid, level by level, but for level 0, whose cells are single texels.
+pub const SPREADS: FourCc = FourCc(*b"SPRD");
 
 /// The schema version of every section of this major version so far.
 pub const SCHEMA: u32 = 1;
@@ -66,6 +72,8 @@ const KINDS: &[(FourCc, &[u32])] = &[
     (LIST_COUNTS, &[1]),
     (LIST_TILES, &[6]),
     (MASKING, &[2]),
+    (MEANS, &[4, 8]),
+    (SPREADS, &[6]),
 ];
 
 /// The element sizes a section of `kind` may have, or `None` if this version does not know the kind.

@@ -1,6 +1,6 @@
 //! The index: from a bin to its key, and back.
 
-use super::bin_tables::elements;
+use super::bin_tables::{bins, elements};
 use crate::container::Container;
 use crate::finding::{Fault, Finding};
 use crate::records::{IndexKind, Instance, OCCUPIED_BINS};
@@ -19,12 +19,13 @@ impl<'a> BinIndex<'a> {
     /// The index of `instance`.
     ///
     /// # Errors
-    /// If a section is missing or has another count than the keys of `instance` need.
+    /// If the instance has no bins, a section is missing, or it has another count than the keys of `instance` need.
     pub fn open(container: &Container<'a>, instance: &Instance) -> Result<Self, Finding> {
-        let keys = instance.key_count as usize;
+        let bins = bins(instance)?;
+        let keys = bins.key_count as usize;
         Ok(Self {
-            bin_count: instance.grid.count(),
-            occupied: match instance.index {
+            bin_count: bins.grid.count(),
+            occupied: match bins.index {
                 IndexKind::Dense => None,
                 IndexKind::Sparse => Some(elements(container, instance, OCCUPIED_BINS, keys)?),
             },

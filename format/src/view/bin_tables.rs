@@ -3,7 +3,7 @@
 use super::{BinIndex, BinMap, BlockLists, InverseBinMap};
 use crate::container::Container;
 use crate::finding::{Fault, Finding};
-use crate::records::{Instance, InverseKind};
+use crate::records::{Bins, INSTANCES, Instance, InverseKind};
 use crate::section::{FourCc, SectionId};
 use zerocopy::{FromBytes, Immutable, KnownLayout, Unaligned};
 
@@ -23,6 +23,8 @@ pub enum Inverse<'a> {
 pub struct BinTables<'a> {
     /// What the tables were baked for.
     pub instance: Instance,
+    /// The instance's bins.
+    pub bins: Bins,
     /// From texel to key.
     pub bin_map: BinMap<'a>,
     /// From key to bin.
@@ -35,13 +37,15 @@ impl<'a> BinTables<'a> {
     /// The tables of `instance`. O(1): element counts are checked, elements are not read.
     ///
     /// # Errors
-    /// If a section is missing or its count does not fit the map.
+    /// If the instance has no bins, a section is missing, or its count does not fit the map.
     pub fn open(container: &Container<'a>, instance: &Instance) -> Result<Self, Finding> {
+        let bins = bins(instance)?;
         Ok(Self {
             instance: *instance,
+            bins,
             bin_map: BinMap::open(container, instance)?,
             index: BinIndex::open(container, instance)?,
-            inverse: match instance.inverse {
+            inverse: match bins.inverse {
                 InverseKind::Forest => Inverse::Forest(InverseBinMap::open(container, instance)?),
                 InverseKind::Tiles => Inverse::Tiles(BlockLists::open(container, instance)?),
                 InverseKind::None => Inverse::None,
@@ -60,6 +64,13 @@ impl<'a> BinTables<'a> {
             .ok_or_else(|| Finding::new(Fault::PositionRange).within(self.bin_map.id))?;
         self.index.bin_of_key(key)
     }
+}
+
+/// The bins of `instance`, which a caller that knows its method has asked for.
+pub(super) fn bins(instance: &Instance) -> Result<Bins, Finding> {
+    instance
+        .bins()
+        .ok_or(Finding::new(Fault::InstanceField).within(SectionId::shared(INSTANCES)))
 }
 
 /// The `count` elements of the section of `kind` that belongs to `instance`.

@@ -1,6 +1,6 @@
 //! Block lists: for each key the blocks of texels that hold it.
 
-use super::bin_tables::{elements, expect_count};
+use super::bin_tables::{bins, elements, expect_count};
 use crate::container::Container;
 use crate::finding::{Fault, Finding};
 use crate::model::PageLayout;
@@ -62,8 +62,8 @@ impl<'a> BlockLists<'a> {
             keys: match container.find(keys) {
                 Some(_) => Some(elements(container, instance, LIST_KEYS, list_count)?),
                 None => {
-                    let expected =
-                        (instance.key_count as usize).saturating_mul(layout.count() as usize);
+                    let expected = (bins(instance)?.key_count as usize)
+                        .saturating_mul(layout.count() as usize);
                     expect_count(
                         instance.section(LISTS),
                         expected.saturating_add(1),

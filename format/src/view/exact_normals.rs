@@ -1,6 +1,6 @@
 //! Exact normals: each texel's own normal, by its place within its bin.
 
-use super::bin_tables::elements;
+use super::bin_tables::{bins, elements};
 use super::{BinIndex, BinMap};
 use crate::container::Container;
 use crate::finding::{Fault, Finding};
@@ -33,7 +33,7 @@ impl<'a> ExactNormals<'a> {
         Ok(Some(Self {
             id,
             width: instance.width,
-            grid: instance.grid,
+            grid: bins(instance)?.grid,
             bin_map: BinMap::open(container, instance)?,
             index: BinIndex::open(container, instance)?,
             normals: elements(container, instance, EXACT_NORMALS, texels)?,

@@ -1,6 +1,6 @@
 //! The inverse bin map: the texels of each key, and the forest over them.
 
-use super::bin_tables::elements;
+use super::bin_tables::{bins, elements};
 use crate::container::Container;
 use crate::finding::{Fault, Finding};
 use crate::model::ForestShape;
@@ -27,8 +27,9 @@ impl<'a> InverseBinMap<'a> {
     /// If a section is missing or its count does not fit the map.
     pub fn open(container: &Container<'a>, instance: &Instance) -> Result<Self, Finding> {
         let texels = instance.texel_count() as usize;
-        let keys = instance.key_count as usize;
-        let slots = ForestShape::slot_count(instance.texel_count(), instance.leaf_size);
+        let bins = bins(instance)?;
+        let keys = bins.key_count as usize;
+        let slots = ForestShape::slot_count(instance.texel_count(), bins.leaf_size);
         Ok(Self {
             id: instance.section(INDEX),
             offsets: elements(container, instance, INDEX, keys.saturating_add(1))?,

@@ -10,6 +10,7 @@ mod block_lists;
 mod exact_normals;
 mod inverse_bin_map;
 mod masking;
+mod pyramid;
 
 pub use bin_index::BinIndex;
 pub use bin_map::{BinMap, KeyLayout, Keys};
@@ -18,3 +19,4 @@ pub use block_lists::{BlockList, BlockLists};
 pub use exact_normals::ExactNormals;
 pub use inverse_bin_map::InverseBinMap;
 pub use masking::MaskingTable;
+pub use pyramid::{CellMoments, Means, Pyramid, PyramidLevel};

@@ -150,7 +150,7 @@ impl<'a> FlakeBins<'a> {
         neighbourhood: Neighbourhood,
         visit: &mut dyn FnMut(u32, u32, f64),
     ) -> Result<(), QueryError> {
-        let (column, row) = self.tables.instance.grid.bin_of(half_vector);
+        let (column, row) = self.tables.bins.grid.bin_of(half_vector);
         let window = BinWindow {
             column,
             row,
@@ -168,7 +168,7 @@ impl<'a> FlakeBins<'a> {
     /// The normal of texel (`column`, `row`) as the setting sees it: its own, or its bin's centre.
     fn normal_of_texel(&self, column: u32, row: u32) -> Result<[f64; 3], QueryError> {
         if self.setting != Setting::Exact {
-            let grid = self.tables.instance.grid;
+            let grid = self.tables.bins.grid;
             let (bin_column, bin_row) = grid.column_row(self.tables.bin_of_texel(column, row)?);
             return Ok(grid.centre(bin_column, bin_row));
         }
@@ -233,7 +233,7 @@ impl Ndf for FlakeBins<'_> {
         };
         match self.setting {
             Setting::Binned(neighbourhood) => {
-                let grid = self.tables.instance.grid;
+                let grid = self.tables.bins.grid;
                 self.weigh(
                     &patch,
                     half_vector,
@@ -283,7 +283,7 @@ impl Ndf for FlakeBins<'_> {
         let half_vector = HalfVector::from_direction(drawn);
         if let Setting::Binned(neighbourhood) = self.setting {
             // `eval` at the drawn vector looks no further than its neighbourhood, so neither may the sampler.
-            let grid = self.tables.instance.grid;
+            let grid = self.tables.bins.grid;
             let (own_column, own_row) =
                 grid.column_row(self.tables.bin_of_texel(texel_column, texel_row)?);
             let (column, row) = grid.bin_of(half_vector);

@@ -5,17 +5,18 @@
 mod batch;
 mod bin_weights;
 mod flake_bins;
+mod lean;
 mod specular_bins;
 
 pub use batch::{BatchError, Queries};
 pub use bin_weights::{DEFAULT_TOLERANCE, Lookup};
 pub use flake_bins::{FlakeBins, Setting};
+pub use lean::{Lean, Lobe};
 pub use specular_bins::SpecularBins;
 
 use crate::error::QueryError;
 use crate::microfacet::Masking;
 use crate::microfacet::vector::dot;
-use bin_weights::How;
 use glintbake_format::Container;
 use glintbake_format::model::{Filter, Footprint, HalfVector, Method};
 use glintbake_format::records::Instance;
@@ -101,7 +102,8 @@ pub trait Ndf {
     ) -> Result<Option<HalfVector>, QueryError>;
 
     /// The density, per solid angle of the half vector, with which [`sample`](Self::sample) draws `half_vector`:
-    /// the sum of density × weight × (h · normal), the factor that \[AWKK21\] eq. 18 leaves out.
+    /// the sum of density × weight × (h · normal), the factor that \[AWKK21\] eq. 18 leaves out; of a method whose
+    /// kernel lies on the disk, with the surface's normal in place of the facet's.
     ///
     /// # Errors
     /// As [`facets`](Self::facets).
@@ -122,6 +124,8 @@ pub enum SurfaceNdf<'a> {
     FlakeBins(FlakeBins<'a>),
     /// Equal-solid-angle bins over an inverse bin map, \[ABKK20\].
     SpecularBins(SpecularBins<'a>),
+    /// One Gaussian lobe from MIP-mapped moments, \[OB10\].
+    Lean(Lean<'a>),
 }
 
 impl<'a> SurfaceNdf<'a> {
@@ -133,6 +137,7 @@ impl<'a> SurfaceNdf<'a> {
         Ok(match instance.method {
             Method::FlakeBins => Self::FlakeBins(FlakeBins::open(container, instance)?),
             Method::SpecularBins => Self::SpecularBins(SpecularBins::open(container, instance)?),
+            Method::Lean => Self::Lean(Lean::open(container, instance)?),
         })
     }
 
@@ -145,6 +150,7 @@ impl<'a> SurfaceNdf<'a> {
         match self {
             Self::FlakeBins(ndf) => ndf.with_setting(setting).map(Self::FlakeBins),
             Self::SpecularBins(_) => Err(QueryError::SettingUnsupported(Method::SpecularBins)),
+            Self::Lean(_) => Err(QueryError::SettingUnsupported(Method::Lean)),
         }
     }
 
@@ -152,14 +158,18 @@ impl<'a> SurfaceNdf<'a> {
     pub fn setting_name(&self) -> &'static str {
         match self {
             Self::FlakeBins(ndf) => ndf.setting().name(),
-            Self::SpecularBins(_) => "default",
+            Self::SpecularBins(_) | Self::Lean(_) => "default",
         }
     }
 
     /// The same P-NDF under another filter; that of the instance unless this says otherwise.
     #[must_use]
     pub fn with_filter(mut self, filter: Filter) -> Self {
-        self.how().filter = filter;
+        match &mut self {
+            Self::FlakeBins(ndf) => ndf.how.filter = filter,
+            Self::SpecularBins(ndf) => ndf.how.filter = filter,
+            Self::Lean(ndf) => ndf.filter = filter,
+        }
         self
     }
 
@@ -171,10 +181,14 @@ impl<'a> SurfaceNdf<'a> {
     /// Where every block stands for its texels, the Gaussian ends at 3.7 standard deviations instead of 4.8. Errors of
     /// blocks have either sign, so that those of densities are far smaller (the default to 0.6 % in relative L1 on the
     /// sample maps). 0 weighs every texel exactly. Means nothing for boxes, for lists of positions and for the exact
-    /// setting, which never approximate.
+    /// setting, which never approximate, and for `lean`, which weighs no texels.
     #[must_use]
     pub fn with_tolerance(mut self, tolerance: f64) -> Self {
-        self.how().tolerance = tolerance;
+        match &mut self {
+            Self::FlakeBins(ndf) => ndf.how.tolerance = tolerance,
+            Self::SpecularBins(ndf) => ndf.how.tolerance = tolerance,
+            Self::Lean(_) => {}
+        }
         self
     }
 
@@ -183,13 +197,7 @@ impl<'a> SurfaceNdf<'a> {
         match self {
             Self::FlakeBins(ndf) => ndf.filter(),
             Self::SpecularBins(ndf) => ndf.how.filter,
-        }
-    }
-
-    fn how(&mut self) -> &mut How {
-        match self {
-            Self::FlakeBins(ndf) => &mut ndf.how,
-            Self::SpecularBins(ndf) => &mut ndf.how,
+            Self::Lean(ndf) => ndf.filter(),
         }
     }
 
@@ -197,6 +205,7 @@ impl<'a> SurfaceNdf<'a> {
         match self {
             Self::FlakeBins(ndf) => ndf,
             Self::SpecularBins(ndf) => ndf,
+            Self::Lean(ndf) => ndf,
         }
     }
 }

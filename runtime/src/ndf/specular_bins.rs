@@ -55,7 +55,7 @@ impl Ndf for SpecularBins<'_> {
         if !half_vector.is_on_disk() {
             return Ok(());
         }
-        let grid = self.tables.instance.grid;
+        let grid = self.tables.bins.grid;
         let (column, row) = grid.bin_of(half_vector);
         let window = BinWindow {
             column,
@@ -88,7 +88,7 @@ impl Ndf for SpecularBins<'_> {
             self.how.filter,
             [uniform[0], uniform[1]],
         )?;
-        let grid = self.tables.instance.grid;
+        let grid = self.tables.bins.grid;
         let (column, row) = grid.column_row(self.tables.bin_of_texel(column, row)?);
         // Equal areas of the square are equal solid angles: uniform in the bin's square is uniform in the bin.
         Ok(Some(

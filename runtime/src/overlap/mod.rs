@@ -15,12 +15,12 @@ mod squares;
 
 pub(crate) use gaussian::{GaussianFootprint, GaussianRow, LOST, RADIUS};
 pub(crate) use outline::{CoveredRow, Outline};
+pub(crate) use placement::Placement;
 pub(crate) use probe::{Probe, Relation};
 pub(crate) use squares::SquareProbe;
 
 use crate::error::QueryError;
 use glintbake_format::model::{Footprint, Wrap};
-use placement::Placement;
 
 /// A box in texel units; sides may be infinite where the map is clamped.
 #[derive(Clone, Copy, Debug, PartialEq)]

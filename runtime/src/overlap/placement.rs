@@ -5,7 +5,7 @@ use glintbake_format::model::{Footprint, MAX_EDGE_TILES, Wrap};
 
 /// Centre and edges of a footprint in texels.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placement {
+pub(crate) struct Placement {
     /// Whole part of the centre. Apart from the rest, so that the rest keeps all its digits.
     pub cell: [f64; 2],
     /// The centre relative to `cell`, in [0, 1] but for rounding.

@@ -1,9 +1,11 @@
 //! Checks of the oracle against hand-made cases, quadrature, brute force and identities.
 
+mod disk;
 mod double_double;
 mod flake_bins;
 mod gaussian;
 mod kernel;
+mod lean;
 mod limits;
 mod specular_bins;
 mod sweep;

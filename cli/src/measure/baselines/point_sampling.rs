@@ -1,6 +1,7 @@
 //! Naive point sampling: what a renderer does that has no filter for normals.
 
-use super::super::stream::Stream;
+use crate::measure::stream::Stream;
+use crate::measure::subject::standard_normal;
 use glintbake_bake::normals::NormalMap;
 use glintbake_format::model::{Filter, Footprint, HalfVector, Kernel, Wrap};
 use std::f64::consts::{PI, SQRT_2, TAU};
@@ -37,7 +38,7 @@ impl PointSampling<'_> {
         for _ in 0..self.points {
             let [a, b] = match filter {
                 Filter::Box => [stream.uniform() - 0.5, stream.uniform() - 0.5],
-                Filter::Gaussian => stream.gaussian().map(|x| 0.5 * x),
+                Filter::Gaussian => standard_normal(stream.uniforms()).map(|x| 0.5 * x),
             };
             let normal = self.normal_at([0, 1].map(|axis: usize| {
                 footprint.centre[axis] + a * footprint.edge_1[axis] + b * footprint.edge_2[axis]

@@ -28,6 +28,19 @@ pub(super) fn beckmann([s, t]: [f64; 2], alpha: f64, uniform: [f64; 2]) -> Optio
     (direction[2] > 0.0 && half_vector.is_on_disk()).then_some(half_vector)
 }
 
+/// Two independent numbers of the standard normal distribution from two in [0, 1) (Box and Muller 1958).
+pub(in crate::measure) fn standard_normal(uniform: [f64; 2]) -> [f64; 2] {
+    let radius = (-2.0 * libm::log1p(-uniform[0])).sqrt();
+    let angle = TAU * uniform[1];
+    [radius * libm::cos(angle), radius * libm::sin(angle)]
+}
+
+/// The half vector at a point of the plane, if that is on the disk.
+pub(super) fn on_disk([s, t]: [f64; 2]) -> Option<HalfVector> {
+    let half_vector = HalfVector { s, t };
+    half_vector.is_on_disk().then_some(half_vector)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

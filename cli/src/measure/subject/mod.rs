@@ -4,7 +4,10 @@
 
 mod draw;
 mod flake_bins;
+mod lean;
 mod specular_bins;
+
+pub(super) use draw::standard_normal;
 
 use glintbake_bake::MethodRecipe;
 use glintbake_bake::normals::NormalMap;
@@ -13,7 +16,11 @@ use glintbake_format::model::{Filter, Footprint, HalfVector, Method};
 use glintbake_runtime::{QueryError, Setting, SurfaceNdf};
 
 /// Every method, in the order of its code.
-pub const REGISTRY: &[&dyn Subject] = &[&flake_bins::FlakeBins, &specular_bins::SpecularBins];
+pub const REGISTRY: &[&dyn Subject] = &[
+    &flake_bins::FlakeBins,
+    &specular_bins::SpecularBins,
+    &lean::Lean,
+];
 
 /// The subject of `method`.
 ///

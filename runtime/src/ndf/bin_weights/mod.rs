@@ -89,7 +89,7 @@ pub(crate) fn bin_weights(
     how: How,
     visit: &mut impl FnMut(u32, u32, f64),
 ) -> Result<(), QueryError> {
-    let grid = tables.instance.grid;
+    let grid = tables.bins.grid;
     let Some(runs) = KeyRuns::new(window, grid, &tables.index) else {
         return Ok(());
     };

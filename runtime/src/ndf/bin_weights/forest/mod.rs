@@ -68,7 +68,7 @@ impl Lists {
                         place,
                         start,
                         end,
-                        shape: ForestShape::new(start, end - start, tables.instance.leaf_size),
+                        shape: ForestShape::new(start, end - start, tables.bins.leaf_size),
                     };
                     lists.count += 1;
                 }
