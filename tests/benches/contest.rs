@@ -14,6 +14,7 @@ use glintbake_cli::measure::baselines::paper_forest::{
     LEAF_SIZE, PaperForest, PaperLookup, Traversal,
 };
 use glintbake_cli::measure::baselines::plain_scan::PlainScan;
+use glintbake_cli::measure::machine;
 use glintbake_format::model::{
     BinGrid, Binning, Footprint, HalfVector, Method, Neighbourhood, Wrap, disk_grid_resolution,
 };
@@ -21,7 +22,7 @@ use glintbake_runtime::microfacet::beckmann;
 use glintbake_runtime::{FlakeBins, Package, SurfaceNdf};
 use glintbake_samples::{Kind, Options, generate};
 use glintbake_tests::fixtures::Stream;
-use std::f64::consts::{PI, SQRT_2, TAU};
+use std::f64::consts::{PI, SQRT_2};
 use std::time::Instant;
 
 const ALPHA: f64 = 0.01;
@@ -132,35 +133,14 @@ fn stands_for(name: &str, map: &str) -> bool {
 
 /// Prints processor, target features and what they say about flags.
 fn describe_machine() {
-    let information = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = information
-        .lines()
-        .find_map(|line| line.strip_prefix("model name")?.split_once(':'))
-        .map_or("unknown to this program", |(_, model)| model.trim());
-    println!("processor: {model}");
-    let features: Vec<&str> = [
-        ("sse2", cfg!(target_feature = "sse2")),
-        ("sse4.2", cfg!(target_feature = "sse4.2")),
-        ("avx", cfg!(target_feature = "avx")),
-        ("avx2", cfg!(target_feature = "avx2")),
-        ("fma", cfg!(target_feature = "fma")),
-        ("avx512bw", cfg!(target_feature = "avx512bw")),
-        ("neon", cfg!(target_feature = "neon")),
-        ("sve", cfg!(target_feature = "sve")),
-    ]
-    .into_iter()
-    .filter_map(|(name, present)| present.then_some(name))
-    .collect();
-    let flags = if matches!(*features, [] | ["sse2"] | ["neon"]) {
+    println!("processor: {}", machine::processor());
+    let features = machine::target_features();
+    let flags = if matches!(&*features, "" | "sse2" | "neon") {
         "no more than every such machine has: built without target-cpu flags"
     } else {
         "more than every such machine has: built with target-cpu or target-feature flags"
     };
-    println!(
-        "target: {} with {}; {flags}",
-        std::env::consts::ARCH,
-        features.join(", ")
-    );
+    println!("target: {} with {features}; {flags}", machine::target());
 }
 
 fn sample_map(kind: Kind, scale: f64) -> NormalMap {
@@ -252,17 +232,7 @@ fn query_count(edge: f64) -> usize {
 
 fn queries(map: &NormalMap, edge: f64, stream: &mut Stream) -> Vec<Query> {
     (0..query_count(edge))
-        .map(|_| {
-            let angle = stream.between(0.0, TAU);
-            let length = edge / f64::from(SIDE);
-            let footprint = Footprint {
-                centre: [stream.uniform(), stream.uniform()],
-                edge_1: [length * angle.cos(), length * angle.sin()],
-                edge_2: [-length * angle.sin(), length * angle.cos()],
-            };
-            let half_vector = stream.half_vector_near(map, &footprint, 0.3 * ALPHA);
-            (footprint, half_vector)
-        })
+        .map(|_| stream.turned_square(map, edge, ALPHA))
         .collect()
 }
 

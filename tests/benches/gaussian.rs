@@ -8,7 +8,6 @@ use glintbake_format::model::{Filter, Footprint, HalfVector, Wrap};
 use glintbake_runtime::{FlakeBins, Instructions, Ndf, Package, SurfaceNdf};
 use glintbake_samples::Kind;
 use glintbake_tests::fixtures::{Stream, flake_package, sample_map};
-use std::f64::consts::TAU;
 use std::time::Instant;
 
 const ALPHA: f64 = 0.01;
@@ -51,17 +50,7 @@ fn main() {
             let (mut difference, mut total) = (0.0, 0.0);
             for round in 0..=ROUNDS {
                 let queries: Vec<_> = (0..QUERIES)
-                    .map(|_| {
-                        let angle = stream.between(0.0, TAU);
-                        let length = edge / f64::from(SIDE);
-                        let footprint = Footprint {
-                            centre: [stream.uniform(), stream.uniform()],
-                            edge_1: [length * angle.cos(), length * angle.sin()],
-                            edge_2: [-length * angle.sin(), length * angle.cos()],
-                        };
-                        let h = stream.half_vector_near(&map, &footprint, 0.3 * ALPHA);
-                        (footprint, h)
-                    })
+                    .map(|_| stream.turned_square(&map, edge, ALPHA))
                     .collect();
                 let mut answers = [const { Vec::new() }; 4];
                 for turn in 0..contestants.len() {

@@ -39,17 +39,7 @@ static SCENES: LazyLock<Vec<Scene>> = LazyLock::new(|| {
 fn queries(map: &NormalMap, edge: f64) -> Vec<(Footprint, HalfVector)> {
     let mut stream = Stream::new(3);
     (0..QUERIES)
-        .map(|_| {
-            let angle = stream.between(0.0, std::f64::consts::TAU);
-            let length = edge / f64::from(SIDE);
-            let footprint = Footprint {
-                centre: [stream.uniform(), stream.uniform()],
-                edge_1: [length * angle.cos(), length * angle.sin()],
-                edge_2: [-length * angle.sin(), length * angle.cos()],
-            };
-            let half_vector = stream.half_vector_near(map, &footprint, 0.3 * ALPHA);
-            (footprint, half_vector)
-        })
+        .map(|_| stream.turned_square(map, edge, ALPHA))
         .collect()
 }
 

@@ -2,7 +2,8 @@
 
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::{MethodRecipe, Recipe, bake};
-use glintbake_format::model::{Footprint, HalfVector, Method, Wrap};
+use glintbake_cli::measure::plan::Shape;
+use glintbake_format::model::{Filter, Footprint, HalfVector, Method, Wrap};
 use glintbake_format::records::InverseKind;
 use glintbake_samples::{Kind, Options, generate};
 
@@ -92,6 +93,26 @@ impl Stream {
             edge_1,
             edge_2,
         }
+    }
+
+    /// A square footprint of `edge` texels anywhere on `map`, turned by any angle, with a half vector near a normal below it
+    /// for Beckmann roughness `alpha`.
+    pub fn turned_square(
+        &mut self,
+        map: &NormalMap,
+        edge: f64,
+        alpha: f64,
+    ) -> (Footprint, HalfVector) {
+        let shape = Shape {
+            filter: Filter::Box,
+            sigma: 0.5 * edge,
+            anisotropy: 1.0,
+        };
+        let footprint = shape.footprint(map, &mut self.0);
+        (
+            footprint,
+            self.half_vector_near(map, &footprint, 0.3 * alpha),
+        )
     }
 
     /// The normal of a random texel near the middle of `footprint`, moved by up to `spread` on the disk.
