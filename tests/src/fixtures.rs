@@ -49,6 +49,11 @@ pub fn specular_package(map: &NormalMap, bins: u32) -> Vec<u8> {
     package(map, recipe)
 }
 
+/// The bytes of `map` baked for `lean` at each roughness.
+pub fn lean_package(map: &NormalMap, roughness: &[f64]) -> Vec<u8> {
+    package(map, MethodRecipe::new(Method::Lean, roughness))
+}
+
 /// The bytes of `map` baked by `recipe`.
 pub fn package(map: &NormalMap, recipe: MethodRecipe) -> Vec<u8> {
     bake(map, &Recipe::new(vec![recipe]), None)

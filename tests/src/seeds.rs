@@ -42,7 +42,7 @@ pub fn seeds() -> Vec<Seed> {
             bytes,
         })
         .collect();
-    seeds.extend(damaged(&[all_of_a_forest(), all_of_tiles()]));
+    seeds.extend(damaged(&[all_of_a_forest(), all_of_tiles(), all_of_lean()]));
     seeds
 }
 
@@ -70,6 +70,15 @@ fn specular(map: &NormalMap, bins: u32, inverse: InverseKind) -> Vec<u8> {
         leaf_size: 2,
         masking: false,
         ..MethodRecipe::new(Method::SpecularBins, &[])
+    };
+    package(map, recipe)
+}
+
+fn lean(map: &NormalMap, roughness: &[f64], finest_level: u32) -> Vec<u8> {
+    let recipe = MethodRecipe {
+        finest_level: Some(finest_level),
+        masking: false,
+        ..MethodRecipe::new(Method::Lean, roughness)
     };
     package(map, recipe)
 }
@@ -103,6 +112,10 @@ fn sound() -> Vec<(&'static str, Vec<u8>)> {
         ("specular-dense", specular(&repeat, 4, Forest)),
         ("specular-sparse", specular(&clamp, 50, Tiles)),
         ("specular-none", specular(&clamp, 50, NoInverse)),
+        ("lean", all_of_lean()),
+        ("lean-coarse", lean(&clamp, &[0.002], 1)),
+        ("lean-one-row", lean(&row, &[0.8], 0)),
+        ("lean-one-texel", lean(&texel, &[0.5], 0)),
         ("one-texel", flakes(&texel, &[0.5], Forest, 1, true)),
         ("one-texel-tiles", flakes(&texel, &[0.5], Tiles, 1, false)),
         ("one-row", flakes(&row, &[0.8], Forest, 4, false)),
@@ -127,6 +140,12 @@ fn all_of_a_forest() -> Vec<u8> {
 fn all_of_tiles() -> Vec<u8> {
     let map = sample_map(Kind::Flakes, 16, 13, 5, Wrap::Repeat);
     naive_lists::package(&map, 0.004)
+}
+
+/// A package of two instances that share a pyramid, whose first level cuts texels and whose others do not.
+fn all_of_lean() -> Vec<u8> {
+    let map = sample_map(Kind::Flakes, 9, 7, 5, Wrap::Repeat);
+    lean(&map, &[0.4, 0.02], 0)
 }
 
 /// The first of `sound` cut and flipped, and each with one resealed lie in each section of a kind not yet lied in.

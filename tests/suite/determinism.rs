@@ -57,7 +57,8 @@ fn the_recipe_hash_tells_recipes_apart() {
     };
     let base = recipe();
     let mut seen = vec![hash(&base)];
-    let changes: [fn(&mut Recipe); 10] = [
+    let changes: [fn(&mut Recipe); 11] = [
+        |recipe| recipe.methods.push(MethodRecipe::new(Method::Lean, &[0.1])),
         |recipe| recipe.methods[0].inverse = Some(InverseKind::Forest),
         |recipe| recipe.methods[1].inverse = Some(InverseKind::None),
         |recipe| recipe.methods[0].roughness[0] = 0.003,
@@ -90,6 +91,8 @@ fn baked_sections_match_their_snapshot() {
     };
     insta::assert_json_snapshot!("baked_sections", with(None));
     insta::assert_json_snapshot!("baked_sections_of_forests", with(Some(InverseKind::Forest)));
+    let lean = MethodRecipe::new(Method::Lean, &[0.002, 0.05]);
+    insta::assert_json_snapshot!("baked_sections_of_lean", sections(&Recipe::new(vec![lean])));
     let none = with(Some(InverseKind::None));
     let of_maps = |line: &&String| !["LBLK", "LCNT", "LIST", "PAGE"].contains(&&line[..4]);
     let expected: Vec<_> = with(None).iter().filter(of_maps).skip(1).cloned().collect();

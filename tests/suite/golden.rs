@@ -6,13 +6,16 @@
 //!   normals), and `specular-bins` with 5 bins a side, of a 32 × 32 map of noise; forests of positions.
 //! - `golden/v1/scratches-96.glint`, version 1.1: `flake-bins` at α = 0.9 of a 96 × 93 map of scratches; a bin map in
 //!   blocks, block lists with keys and tiles, masking.
+//! - `golden/v1/lean-24.glint`, version 1.2: `lean` at α = 0.05 and 0.004 (means to 32 bits) of a 24 × 21 map of scratches;
+//!   one pyramid for both, masking.
 
 use glintbake_format::model::{Footprint, HalfVector, Method};
-use glintbake_format::records::{IndexKind, InverseKind};
+use glintbake_format::records::{IndexKind, InverseKind, Structure};
 use glintbake_format::{Container, check};
 use glintbake_runtime::{Ndf, Package, Setting};
 
 const V1: &[u8] = include_bytes!("../golden/v1/noise-32.glint");
+const V1_2: &[u8] = include_bytes!("../golden/v1/lean-24.glint");
 const V1_1: &[u8] = include_bytes!("../golden/v1/scratches-96.glint");
 
 #[test]
@@ -79,6 +82,36 @@ fn version_1_1_answers_as_it_did() {
         answers.push(format!("masking {s} {t}: {g1:.8e}"));
     }
     insta::assert_json_snapshot!(answers);
+}
+
+#[test]
+fn version_1_2_is_sound_and_says_what_it_is() {
+    let container = Container::open(V1_2).expect("a released version opens forever");
+    check::full(&container, &mut |finding| panic!("{finding}"));
+    assert_eq!(container.header().minor.get(), 2);
+    let instances: Vec<_> = container.instances().map(Result::unwrap).collect();
+    let structure = Structure::Pyramid { finest_level: 0 };
+    assert_eq!(
+        instances
+            .iter()
+            .map(|instance| (instance.method, instance.roughness, instance.structure))
+            .collect::<Vec<_>>(),
+        [
+            (Method::Lean, Some(0.05), structure),
+            (Method::Lean, Some(0.004), structure),
+        ]
+    );
+    let kinds: Vec<_> = container
+        .entries()
+        .iter()
+        .map(|entry| entry.kind.to_string())
+        .collect();
+    assert_eq!(kinds, ["INST", "META", "MASK", "MEAN", "SPRD"]);
+}
+
+#[test]
+fn version_1_2_answers_as_it_did() {
+    insta::assert_json_snapshot!(answers(V1_2));
 }
 
 /// Densities and samples of every instance and setting of the package `bytes`.

@@ -3,14 +3,14 @@
 use glintbake_format::model::{Footprint, HalfVector, Neighbourhood, Wrap};
 use glintbake_format::records::{
     BLOCKED_BIN_MAP, FOREST, INDEX, INSTANCES, INVERSE_BIN_MAP, LIST_BLOCKS, LIST_COUNTS,
-    LIST_KEYS, LIST_TILES, LISTS, MASKING, PAGES,
+    LIST_KEYS, LIST_TILES, LISTS, MASKING, MEANS, PAGES, SPREADS,
 };
 use glintbake_format::{Container, ENTRY_LENGTH, Fault, FourCc, HEADER_LENGTH, check};
 use glintbake_runtime::{Ndf, Package, Setting};
 use glintbake_samples::Kind;
 use glintbake_tests::exercise::interrogate;
 use glintbake_tests::fixtures::{
-    Stream, flake_package, forest_package, sample_map, specular_package,
+    Stream, flake_package, forest_package, lean_package, sample_map, specular_package,
 };
 use glintbake_tests::lies::{reseal, section_range};
 use glintbake_tests::naive_lists;
@@ -34,6 +34,12 @@ fn small_tiles_in_full() -> Vec<u8> {
     naive_lists::package(&map, 0.02)
 }
 
+/// A small package of two instances that share a pyramid, part of which halves evenly.
+fn small_lean() -> Vec<u8> {
+    let map = sample_map(Kind::Flakes, 12, 10, 5, Wrap::Repeat);
+    lean_package(&map, &[0.4, 0.02])
+}
+
 fn finds_something(bytes: &[u8]) -> bool {
     match Container::open(bytes) {
         Err(_) => true,
@@ -52,6 +58,8 @@ fn a_sound_package_has_no_findings() {
         small_package(),
         small_tiles(),
         small_tiles_in_full(),
+        small_lean(),
+        lean_package(&map, &[0.9, 0.0001]),
         flake_package(&map, &[0.9, 0.01]),
         specular_package(&map, 40),
         forest_package(&map, &[0.01], 1),
@@ -64,7 +72,7 @@ fn a_sound_package_has_no_findings() {
 
 #[test]
 fn every_flipped_bit_is_found() {
-    for sound in [small_package(), small_tiles_in_full()] {
+    for sound in [small_package(), small_tiles_in_full(), small_lean()] {
         every_flipped_bit_of_is_found(&sound);
     }
 }
@@ -140,6 +148,59 @@ fn lies_in_block_lists_are_found_by_structure_alone_and_survived_by_queries() {
         (LIST_TILES, 1, vec![0x01, 0x10], Fault::ListTile),
     ];
     every_lie_is_found_and_survived(&small_tiles_in_full(), &in_full);
+}
+
+#[test]
+fn lies_in_pyramids_are_found_by_structure_alone_and_survived_by_queries() {
+    let sound = small_lean();
+    let cases: [Lie; 6] = [
+        (MEANS, 1, vec![0x00, 0x80], Fault::MeanRange),
+        (MEANS, 1, vec![0xFF, 0x7F, 0xFF, 0x7F], Fault::MeanRange),
+        (MEANS, 1, vec![0x11; 4], Fault::MeanAverage),
+        (SPREADS, 1, vec![0xFF; 4], Fault::SpreadRange),
+        (SPREADS, 1, vec![0, 0, 0, 0, 0x00, 0x80], Fault::SpreadRange),
+        (SPREADS, 1, vec![0xFF; 6], Fault::SpreadRange),
+    ];
+    every_lie_is_found_and_survived(&sound, &cases);
+    let records = section_range(&sound, INSTANCES, 0).start;
+    for (place, lie, fault) in [
+        (24, 7, Fault::ReservedNotZero),
+        (28, 1, Fault::ReservedNotZero),
+        (32, 1, Fault::ReservedNotZero),
+        (36, 1, Fault::ReservedNotZero),
+        (38, 2, Fault::ReservedNotZero),
+        (40, 9, Fault::ReservedNotZero),
+        (44, 4, Fault::InstanceField),
+        (44, 255, Fault::InstanceField),
+        (48, 1, Fault::ReservedNotZero),
+        (4, 1, Fault::InstanceField),
+    ] {
+        let mut bytes = sound.clone();
+        bytes[records + place] = lie;
+        assert!(reseal(&mut bytes));
+        let finding = Container::open(&bytes).expect_err("a lying record does not open");
+        assert_eq!(finding.fault, fault, "byte {place}: {finding}");
+    }
+    // A level that the pyramid does not have stored: sizes no longer fit.
+    let mut bytes = sound;
+    bytes[records + 44] = 1;
+    assert!(reseal(&mut bytes));
+    let mut faults = Vec::new();
+    check::structure(&Container::open(&bytes).unwrap(), &mut |finding| {
+        faults.push(finding.fault);
+    });
+    assert!(faults.contains(&Fault::SectionCount), "{faults:?}");
+    interrogate(&bytes);
+}
+
+#[test]
+fn a_level_in_a_record_of_bins_is_refused() {
+    let mut bytes = small_package();
+    let record = section_range(&bytes, INSTANCES, 0).start;
+    bytes[record + 44] = 1;
+    assert!(reseal(&mut bytes));
+    let finding = Container::open(&bytes).expect_err("bins have no levels");
+    assert_eq!(finding.fault, Fault::ReservedNotZero);
 }
 
 #[test]
@@ -295,7 +356,7 @@ fn unknown_sections_are_skipped_unless_critical() {
 #[test]
 fn bytes_all_over_a_small_package_may_lie_without_harm() {
     let mut stream = Stream::new(1);
-    for sound in [small_package(), small_tiles_in_full()] {
+    for sound in [small_package(), small_tiles_in_full(), small_lean()] {
         // One in seven: the other tests and the corpus lie elsewhere, and 7 divides no record's size.
         for place in (HEADER_LENGTH..sound.len()).step_by(7) {
             let mut bytes = sound.clone();
@@ -317,9 +378,13 @@ proptest! {
     #[test]
     fn any_few_lies_are_survived(
         lies in proptest::collection::vec((any::<proptest::sample::Index>(), any::<u8>()), 1..12),
-        tiles in any::<bool>(),
+        kind in 0..3,
     ) {
-        let mut bytes = if tiles { small_tiles_in_full() } else { small_package() };
+        let mut bytes = match kind {
+            0 => small_tiles_in_full(),
+            1 => small_lean(),
+            _ => small_package(),
+        };
         let data = bytes.len() - HEADER_LENGTH;
         for (place, lie) in lies {
             bytes[HEADER_LENGTH + place.index(data)] = lie;

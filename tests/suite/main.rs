@@ -13,6 +13,7 @@ mod flake_bins;
 mod gaussian;
 mod golden;
 mod hostile;
+mod lean;
 mod masked_brdf;
 mod masking;
 mod opening;

@@ -5,7 +5,9 @@ use glintbake_bake::oracle;
 use glintbake_format::model::{Filter, Footprint, HalfVector, Neighbourhood, Wrap};
 use glintbake_runtime::{Ndf, Package, Setting, SurfaceNdf};
 use glintbake_samples::Kind;
-use glintbake_tests::fixtures::{Stream, flake_package, sample_map, specular_package};
+use glintbake_tests::fixtures::{
+    Stream, flake_package, lean_package, sample_map, specular_package,
+};
 use std::f64::consts::TAU;
 
 /// A cut of the hemisphere into cells of equal solid angle: a product of two intervals in each of which a fraction
@@ -210,6 +212,27 @@ fn specular_bins_samples_follow_the_pdf() {
     let bytes = specular_package(&map, 12);
     let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
     check(&ndf, &footprint, &BINS, "specular-bins");
+}
+
+#[test]
+fn lean_samples_follow_the_pdf() {
+    let map = sample_map(Kind::Waves, 48, 32, 3, Wrap::Repeat);
+    let bytes = lean_package(&map, &[0.15]);
+    let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
+    let mut stream = Stream::new(5);
+    for texels in [0.3, 9.0] {
+        let footprint = stream.footprint(&map, texels);
+        for filter in [Filter::Box, Filter::Gaussian] {
+            let what = format!("lean, {texels} texels, {filter:?}");
+            check(&ndf.with_filter(filter), &footprint, &RINGS, &what);
+        }
+    }
+    // A lobe of which the rim cuts off a third: no vector is a cell of its own.
+    let tilted = NormalMap::new(2, 1, Wrap::Clamp, vec![[0.95, 0.2], [0.8, 0.3]]);
+    let bytes = lean_package(&tilted, &[0.3]);
+    let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
+    let footprint = Footprint::square([0.4, 0.5], 1.5, 2, 1);
+    check(&ndf, &footprint, &RINGS, "lean at the rim");
 }
 
 #[test]
