@@ -16,6 +16,7 @@ mod help;
 mod incremental;
 mod index;
 mod json;
+mod lean;
 mod outputs;
 mod query;
 mod report;
