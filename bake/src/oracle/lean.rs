@@ -21,8 +21,8 @@ use crate::normals::NormalMap;
 use core::f64::consts::PI;
 use glintbake_format::model::{Filter, Footprint, HalfVector, Wrap};
 
-/// Share of a level's weight, with the level.
-type Part = (u32, f64);
+/// Mean, covariance and weight of a part of a mixture.
+type Part = ([f64; 2], [f64; 3], f64);
 
 /// The lobe of one footprint, for many half vectors.
 #[derive(Clone, Copy, Debug)]
@@ -72,7 +72,7 @@ impl Prepared {
         let width = widths[1].max(widths[0] / most).max(finest);
         let level = libm::log2(width).min(f64::from(top));
         let below = libm::floor(level);
-        let levels: [Part; 2] = [
+        let levels: [(u32, f64); 2] = [
             (below as u32, 1.0 - (level - below)),
             ((below as u32 + 1).min(top), level - below),
         ];
@@ -238,7 +238,7 @@ fn overlaps(size: u32, count: u32, cell: u32) -> Vec<(u32, f64)> {
 /// Weighted normals, each a point or itself a distribution.
 #[derive(Clone, Debug, Default)]
 struct Mixture {
-    parts: Vec<([f64; 2], [f64; 3], f64)>,
+    parts: Vec<Part>,
 }
 
 impl Mixture {
@@ -275,7 +275,7 @@ impl Mixture {
     /// Mean and covariance (ss, st, tt) of the whole: the mean first, then the law of total covariance.
     fn moments(&self) -> ([f64; 2], [f64; 3]) {
         let weight: f64 = self.parts.iter().map(|part| part.2).sum();
-        let sum = |term: &dyn Fn(&([f64; 2], [f64; 3], f64)) -> f64| {
+        let sum = |term: &dyn Fn(&Part) -> f64| {
             let add = |sum: DoubleDouble, part| sum + DoubleDouble::from(term(part));
             self.parts.iter().fold(DoubleDouble::ZERO, add).value() / weight
         };
