@@ -1,5 +1,6 @@
-//! Reports of error against run time: what is in one, and the forms it is written in.
+//! Reports of error against run time: what is in one, the forms it is written in, and how two compare.
 
+pub mod compare;
 pub mod csv;
 pub mod document;
 pub mod html;
