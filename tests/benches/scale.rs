@@ -10,10 +10,12 @@
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::package::publish;
 use glintbake_bake::{MethodRecipe, Progress, Recipe, Stage, bake_with_progress};
+use glintbake_cli::report::plot::frame::Axis;
+use glintbake_cli::report::plot::lines::{LinePlot, Series, range_of};
+use glintbake_cli::report::units;
 use glintbake_format::model::{Method, Wrap};
 use glintbake_samples::Kind;
 use glintbake_tests::fixtures::sample_map;
-use glintbake_tests::plot::{Plot, Series};
 use std::path::PathBuf;
 use std::sync::Mutex;
 use std::time::Instant;
@@ -56,7 +58,8 @@ fn main() {
         println!("\ntotal grows with the {exponent:.3}-th power of the texels, from first to last");
     }
     if let Some(path) = arguments.plot
-        && let Err(error) = std::fs::write(&path, plot(&seconds).to_svg())
+        && let Some(plot) = plot(&seconds)
+        && let Err(error) = std::fs::write(&path, plot.to_svg())
     {
         eprintln!("error: cannot write {}: {error}", path.display());
         std::process::exit(1);
@@ -109,28 +112,42 @@ impl Progress for Begins {
     }
 }
 
-fn plot(seconds: &[(f64, [f64; 4])]) -> Plot {
-    let series = PARTS
+/// The plot of what was measured, if anything was.
+fn plot(seconds: &[(f64, [f64; 4])]) -> Option<LinePlot> {
+    let series: Vec<Series> = PARTS
         .iter()
         .enumerate()
-        .map(|(part, &(name, colour))| Series {
-            name: name.to_owned(),
-            colour,
-            points: seconds
-                .iter()
-                .map(|(texels, parts)| [*texels, parts[part]])
-                .collect(),
+        .map(|(part, &(name, colour))| {
+            let points = seconds.iter().map(|(texels, parts)| [*texels, parts[part]]);
+            Series::new(name, colour, &points.collect::<Vec<_>>())
         })
         .collect();
-    Plot {
-        title: format!("Baking waves at α = {ALPHA}"),
-        axes: ["texels of the map", "seconds"],
-        ticks: seconds
-            .iter()
-            .map(|(texels, _)| (*texels, format!("{}²", texels.sqrt())))
-            .collect(),
+    let title = format!("Baking waves at α = {ALPHA}");
+    let texels = [seconds.first()?.0, seconds.last()?.0];
+    Some(LinePlot {
+        description: format!("{title}: seconds by number of texels"),
+        title,
+        axes: [
+            Axis {
+                label: "texels of the map".to_owned(),
+                range: texels,
+                ticks: seconds
+                    .iter()
+                    .map(|(texels, _)| (*texels, format!("{}²", texels.sqrt())))
+                    .collect(),
+                name: units::plain,
+            },
+            Axis {
+                label: "seconds".to_owned(),
+                range: range_of(series.iter())?,
+                ticks: Vec::new(),
+                name: units::plain,
+            },
+        ],
+        strip: false,
+        proportional: true,
         series,
-    }
+    })
 }
 
 struct Arguments {

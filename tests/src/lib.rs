@@ -4,7 +4,6 @@ pub mod exercise;
 pub mod fixtures;
 pub mod lies;
 pub mod naive_lists;
-pub mod plot;
 pub mod seeds;
 pub mod tolerances;
 
