@@ -5,6 +5,7 @@ use super::select::{filter, method};
 use crate::exit::{CommandError, Failure};
 use crate::measure::plan::{Effort, Plan};
 use crate::measure::subject;
+use crate::report::compare::Thresholds;
 use clap::Args;
 use glintbake_bake::{MethodRecipe, Recipe};
 use glintbake_format::model::{Filter, METHODS, Method, beckmann_from_intrinsic};
@@ -74,7 +75,7 @@ pub struct ReportArgs {
 
     /// Fail with exit code 1 if anything is worse than that by more, as in error:5%,bytes:2%,time:50%
     #[arg(long, value_name = "LIMITS", requires = "compare")]
-    pub fail_on: Option<String>,
+    pub fail_on: Option<Thresholds>,
 
     /// How the images are read
     #[command(flatten)]

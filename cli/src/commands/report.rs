@@ -9,7 +9,9 @@ use crate::measure::plan::Plan;
 use crate::measure::run::{MeasureError, Step, measure};
 use crate::output::{Bar, Console};
 use crate::report;
+use crate::report::compare::compare;
 use crate::report::document::{FORMAT, Head, MapReport, Report, VERSION};
+use crate::report::read::read;
 use glintbake_bake::image::{HashedFile, InputFile};
 use glintbake_bake::normals::{self, NormalMap};
 use serde_json::json;
@@ -30,7 +32,8 @@ pub fn run(arguments: &ReportArgs, console: &Console) -> Result<(), CommandError
     let plan = arguments.plan()?;
     let folder = &arguments.output;
     let is_new = check_folder(folder)?;
-    let maps = read(arguments, console)?;
+    let before = arguments.compare.as_deref().map(read_before).transpose()?;
+    let maps = read_maps(arguments, console)?;
     if is_new {
         fs::create_dir(folder).map_err(|error| cannot_use(folder, &error.to_string()))?;
     }
@@ -66,11 +69,40 @@ pub fn run(arguments: &ReportArgs, console: &Console) -> Result<(), CommandError
     }
     whole.complete = true;
     let files = report::write_all(&whole, folder)?;
+    console.line(report::table::text(&whole));
     for file in &files {
         console.line(file.display());
     }
-    console.document(&json!(whole));
-    Ok(())
+    let comparison = before.map(|before| compare(&before, &whole));
+    let violations = match (&comparison, &arguments.fail_on) {
+        (Some(comparison), Some(limits)) => comparison.violations(limits),
+        _ => Vec::new(),
+    };
+    let mut document = json!(whole);
+    if let Some(comparison) = &comparison {
+        console.line(comparison);
+        document["comparison"] = comparison.to_json();
+        document["violations"] = json!(violations);
+    }
+    console.document(&document);
+    match violations.as_slice() {
+        [] => Ok(()),
+        [first, others @ ..] => {
+            let others = match others.len() {
+                0 => String::new(),
+                count => format!(", and {count} more"),
+            };
+            let message = format!("--fail-on: {first}{others}");
+            Err(CommandError::new(Failure::Findings, message))
+        }
+    }
+}
+
+/// The report to compare with, read before this one may replace it.
+fn read_before(path: &Path) -> Result<Report, CommandError> {
+    read(path).map_err(|error| {
+        CommandError::new(Failure::Input, error.to_string()).in_file(path.display())
+    })
 }
 
 /// Refuses a folder that reports could not be written to, before anything is measured; whether it is still to be made.
@@ -97,7 +129,7 @@ fn cannot_use(folder: &Path, reason: &str) -> CommandError {
 }
 
 /// The maps, in the order of the command line.
-fn read(
+fn read_maps(
     arguments: &ReportArgs,
     console: &Console,
 ) -> Result<Vec<(InputFile, NormalMap)>, CommandError> {

@@ -3,6 +3,7 @@
 //! docs/REPORT.md documents every field for readers of the file.
 
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// What `format` of every report says.
 pub const FORMAT: &str = "glintbake-report";
@@ -83,6 +84,24 @@ pub struct Skipped {
     pub cell: Option<Cell>,
     /// Why.
     pub reason: String,
+}
+
+impl fmt::Display for Skipped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.contestant.name())?;
+        if let Some(cell) = &self.cell {
+            let roughness = cell.roughness.map(|alpha| format!(", α {alpha:.4}"));
+            write!(
+                f,
+                ", {} σ {} x{}{}",
+                cell.filter,
+                cell.sigma,
+                cell.anisotropy,
+                roughness.unwrap_or_default()
+            )?;
+        }
+        write!(f, ": {}", self.reason)
+    }
 }
 
 /// Who answers: a variant of a method, or a baseline.

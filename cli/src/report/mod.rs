@@ -20,15 +20,18 @@ use glintbake_bake::package::{PublishError, publish};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+/// What [`write_all`] writes.
+pub const FILES: [&str; 3] = ["report.json", "report.csv", "report.html"];
+
 /// Writes `report.json`, `report.csv` and `report.html` into `folder`, each whole or not at all; returns their paths.
 ///
 /// # Errors
 /// [`PublishError`] if a file cannot be written, or, before any is, if a number of the report fails [`read::check`]: no
 /// reader would take it back.
 pub fn write_all(report: &Report, folder: &Path) -> Result<Vec<PathBuf>, PublishError> {
-    let json = folder.join("report.json");
+    let paths = FILES.map(|name| folder.join(name));
     let invalid = |error: io::Error| PublishError {
-        path: json.clone(),
+        path: paths[0].clone(),
         source: error,
     };
     read::check(report)
@@ -36,15 +39,15 @@ pub fn write_all(report: &Report, folder: &Path) -> Result<Vec<PathBuf>, Publish
     let mut document =
         serde_json::to_vec_pretty(report).map_err(|error| invalid(io::Error::from(error)))?;
     document.push(b'\n');
-    let files = [
-        (json.clone(), document),
-        (folder.join("report.csv"), csv::text(report).into_bytes()),
-        (folder.join("report.html"), html::page(report).into_bytes()),
+    let contents = [
+        document,
+        csv::text(report).into_bytes(),
+        html::page(report).into_bytes(),
     ];
-    for (path, bytes) in &files {
-        publish(path, |file| file.write_all(bytes))?;
+    for (path, content) in paths.iter().zip(&contents) {
+        publish(path, |file| file.write_all(content))?;
     }
-    Ok(files.map(|(path, _)| path).into())
+    Ok(paths.into())
 }
 
 #[cfg(test)]
@@ -57,7 +60,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let paths = write_all(&report, folder.path()).unwrap();
         let names: Vec<_> = paths.iter().filter_map(|path| path.file_name()).collect();
-        assert_eq!(names, ["report.json", "report.csv", "report.html"]);
+        assert_eq!(names, FILES);
         assert_eq!(read::read(&paths[0]).unwrap(), report);
         let csv = std::fs::read_to_string(&paths[1]).unwrap();
         assert_eq!(csv.lines().count(), report.maps[0].rows.len() + 1);

@@ -36,6 +36,9 @@ fn write_report(text: &mut String, report: &Report) -> fmt::Result {
             writeln!(text)?;
             write_panel(text, &panel)?;
         }
+        for skipped in &map.skipped {
+            writeln!(text, "\nnot measured: {}", printable(&skipped.to_string()))?;
+        }
         writeln!(text)?;
     }
     write!(

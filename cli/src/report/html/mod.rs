@@ -99,6 +99,14 @@ fn draw_map(main: &mut Markup, map: &MapReport, number: usize, looks: &Looks<'_>
             if !map.sources.is_empty() {
                 sources::draw(section, map);
             }
+            if !map.skipped.is_empty() {
+                section.inline("h3", &[], "Not measured");
+                section.element("ul", &[], |list| {
+                    for skipped in &map.skipped {
+                        list.inline("li", &[], skipped);
+                    }
+                });
+            }
         },
     );
     main.end_line();
