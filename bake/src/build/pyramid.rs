@@ -72,11 +72,16 @@ pub fn build(map: &NormalMap, layout: PyramidLayout, wide: bool) -> Pyramid {
                 .extend(texels.len(), |texel| texels[texel].map(f64::from));
             continue;
         }
+        let [columns, rows] = [spans(size[0], map.width()), spans(size[1], map.height())];
         let cell = |cell: usize| {
             let finer = kept.iter().rev().find(|finer| finer.is_cut_from(size));
             match finer {
                 Some(finer) => finer.union(cell, size),
-                None => over_texels(map, cell, size),
+                None => over_texels(
+                    map,
+                    columns[cell % columns.len()],
+                    rows[cell / columns.len()],
+                ),
             }
         };
         let count = size[0] as usize * size[1] as usize;
@@ -171,31 +176,43 @@ impl Level {
     }
 }
 
-/// The texels, first and last, that cell number `cell` of `count` meets on an axis of `size` texels, and the share of each
-/// of these two that lies in it. Exact but for the last rounding: borders are multiples of 1 / `count`.
-fn texels_of(cell: u64, count: u64, size: u64) -> ([usize; 2], [f64; 2]) {
-    let (start, end) = (cell * size, (cell + 1) * size);
-    let (first, last) = (start / count, (end - 1) / count);
-    let within = |texel: u64| {
-        let (low, high) = ((texel * count).max(start), ((texel + 1) * count).min(end));
-        (high - low) as f64 / count as f64
-    };
-    (
-        [first as usize, last as usize],
-        [within(first), within(last)],
-    )
+/// The texels that a cell meets on one axis.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    first: usize,
+    last: usize,
+    /// The shares of the first and of the last that lie in the cell.
+    shares: [f64; 2],
 }
 
-/// The moments of the texels of `map` under cell number `cell` of a level of `size`, by the share of each within it.
+/// The span of each of `count` cells on an axis of `size` texels. Exact but for the last rounding of shares: borders are
+/// multiples of 1 / `count`.
+fn spans(count: u32, size: u32) -> Vec<Span> {
+    let (count, size) = (u64::from(count), u64::from(size));
+    let span = |cell: u64| {
+        let (start, end) = (cell * size, (cell + 1) * size);
+        let (first, last) = (start / count, (end - 1) / count);
+        let share = |texel: u64| {
+            let (low, high) = ((texel * count).max(start), ((texel + 1) * count).min(end));
+            (high - low) as f64 / count as f64
+        };
+        Span {
+            first: first as usize,
+            last: last as usize,
+            shares: [share(first), share(last)],
+        }
+    };
+    (0..count).map(span).collect()
+}
+
+/// The moments of the texels of `map` in the columns and rows of a cell, by the share of each within it.
 ///
 /// Sums are of differences to the texel in the middle, one of those averaged, so that what cancels between squares and the
 /// square of the mean is of the order of the variance.
-fn over_texels(map: &NormalMap, cell: usize, size: [u32; 2]) -> Moments {
-    let [columns, rows] = size.map(u64::from);
-    let (column, row) = (cell as u64 % columns, cell as u64 / columns);
+fn over_texels(map: &NormalMap, columns: Span, rows: Span) -> Moments {
     let width = map.width() as usize;
-    let ([left, right], column_shares) = texels_of(column, columns, u64::from(map.width()));
-    let ([top, bottom], row_shares) = texels_of(row, rows, u64::from(map.height()));
+    let (left, right, column_shares) = (columns.first, columns.last, columns.shares);
+    let (top, bottom, row_shares) = (rows.first, rows.last, rows.shares);
     let [s_0, t_0] = map.texels()[(top + bottom) / 2 * width + (left + right) / 2].map(f64::from);
     let mut weight = 0.0;
     // Of s, t, ss, st, tt.
@@ -252,7 +269,7 @@ mod tests {
 
     #[test]
     fn shares_of_cut_texels_add_up_to_cells_of_one_size() {
-        for (size, count) in [
+        let cases = [
             (7, 3),
             (11, 5),
             (11, 2),
@@ -260,20 +277,34 @@ mod tests {
             (5, 5),
             (1, 1),
             (65_535, 32_767),
-        ] {
+        ];
+        for (size, count) in cases {
             let mut total = 0.0;
-            for cell in 0..count {
-                let ([first, last], [head, tail]) = texels_of(cell, count, size);
-                let length = match last - first {
+            for span in spans(count, size) {
+                let [head, tail] = span.shares;
+                let length = match span.last - span.first {
                     0 => head,
                     apart => head + tail + (apart - 1) as f64,
                 };
-                assert!((length - size as f64 / count as f64).abs() < 1e-12);
+                assert!((length - f64::from(size) / f64::from(count)).abs() < 1e-12);
                 assert!(head > 0.0 && tail > 0.0 && head <= 1.0 && tail <= 1.0);
                 total += length;
             }
-            assert!((total / size as f64 - 1.0).abs() < 1e-12, "{size} {count}");
+            assert!(
+                (total / f64::from(size) - 1.0).abs() < 1e-12,
+                "{size} {count}"
+            );
         }
+    }
+
+    /// The moments of cell number `cell` of a level of `size`, straight from the texels.
+    fn summed(map: &NormalMap, cell: usize, size: [u32; 2]) -> Moments {
+        let [columns, rows] = [spans(size[0], map.width()), spans(size[1], map.height())];
+        over_texels(
+            map,
+            columns[cell % columns.len()],
+            rows[cell / columns.len()],
+        )
     }
 
     #[test]
@@ -284,18 +315,16 @@ mod tests {
         });
         let fine = Level {
             size: [12, 8],
-            cells: (0..96)
-                .map(|cell| over_texels(&map, cell, [12, 8]))
-                .collect(),
+            cells: (0..96).map(|cell| summed(&map, cell, [12, 8])).collect(),
         };
         for size in [[12, 8], [6, 4], [3, 2], [3, 1], [1, 1]] {
             assert!(fine.is_cut_from(size));
             for cell in 0..(size[0] * size[1]) as usize {
-                let (merged, summed) = (fine.union(cell, size), over_texels(&map, cell, size));
-                for (a, b) in merged.mean.iter().zip(summed.mean) {
+                let (merged, direct) = (fine.union(cell, size), summed(&map, cell, size));
+                for (a, b) in merged.mean.iter().zip(direct.mean) {
                     assert!((a - b).abs() < 1e-15);
                 }
-                for (a, b) in merged.covariance.iter().zip(summed.covariance) {
+                for (a, b) in merged.covariance.iter().zip(direct.covariance) {
                     assert!((a - b).abs() < 1e-15);
                 }
             }
@@ -316,7 +345,7 @@ mod tests {
                 [1e-4, 0.0]
             }
         });
-        let top = over_texels(&outlier, 0, [1, 1]);
+        let top = summed(&outlier, 0, [1, 1]);
         let share = 1.0 / 740.0;
         let expected = (0.9_f64 - 1e-4).powi(2) * share * (1.0 - share);
         assert!((top.covariance[0] / expected - 1.0).abs() < 1e-6);

@@ -24,14 +24,19 @@ pub struct WideMean(pub [I32; 2]);
 const NARROW: f64 = i16::MAX as f64;
 const WIDE: f64 = i32::MAX as f64;
 
+/// The whole number nearest to `value`, away from 0 if two are: `round` without a call, for every texel of a map.
+fn nearest(value: f64) -> i64 {
+    // A cast truncates.
+    (value + libm::copysign(0.5, value)) as i64
+}
+
 impl NarrowMean {
     /// How far a stored component may be from the one meant.
     pub const ERROR: f64 = 0.5 / NARROW;
 
     /// The nearest to (s, t), each within [-1, 1].
     pub fn new(mean: [f64; 2]) -> Self {
-        // A cast saturates.
-        Self(mean.map(|component| I16::new(libm::round(component * NARROW) as i16)))
+        Self(mean.map(|component| I16::new(nearest(component * NARROW) as i16)))
     }
 
     /// The point (s, t), each within [-1, 1] whatever is stored.
@@ -48,7 +53,7 @@ impl WideMean {
 
     /// The nearest to (s, t), each within [-1, 1].
     pub fn new(mean: [f64; 2]) -> Self {
-        Self(mean.map(|component| I32::new(libm::round(component * WIDE) as i32)))
+        Self(mean.map(|component| I32::new(nearest(component * WIDE) as i32)))
     }
 
     /// The point (s, t), each within [-1, 1] whatever is stored.
