@@ -10,6 +10,7 @@ pub mod measure;
 pub mod output;
 pub mod picture;
 pub mod report;
+pub mod stress;
 
 use args::{Cli, Command};
 use clap::Parser;
@@ -55,5 +56,6 @@ pub fn run(cli: &Cli, console: &Console) -> Result<(), CommandError> {
         Command::Query(arguments) => commands::query::run(arguments, console),
         Command::Picture(arguments) => commands::picture::run(arguments, console),
         Command::Report(arguments) => commands::report::run(arguments, console),
+        Command::Stress(arguments) => commands::stress::run(arguments, console),
     })
 }

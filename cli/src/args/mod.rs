@@ -3,10 +3,12 @@
 mod bake;
 mod report;
 mod select;
+mod stress;
 
 pub use bake::{BakeArgs, DecodeArgs};
 pub use report::ReportArgs;
 pub use select::{QuerySettings, SettingArgs};
+pub use stress::StressArgs;
 
 use crate::exit::EXIT_CODES_HELP;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -57,6 +59,8 @@ pub enum Command {
     Picture(PictureArgs),
     /// Measure every method on maps of yours: error against run time, memory
     Report(Box<ReportArgs>),
+    /// Put methods to the test on stiff and extreme cases, against f64 oracles
+    Stress(StressArgs),
 }
 
 impl Command {
@@ -73,6 +77,7 @@ impl Command {
                 Picture::Ball(arguments) => arguments.json,
             },
             Self::Report(arguments) => arguments.json,
+            Self::Stress(arguments) => arguments.json,
         }
     }
 }

@@ -9,4 +9,5 @@ pub mod picture;
 pub mod query;
 pub mod report;
 pub mod sample;
+pub mod stress;
 pub mod verify;

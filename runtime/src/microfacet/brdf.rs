@@ -31,7 +31,7 @@ pub enum MaskingPlacement {
 /// # Errors
 /// As [`Ndf::facets`].
 pub fn eval(
-    ndf: &impl Ndf,
+    ndf: &(impl Ndf + ?Sized),
     footprint: &Footprint,
     light: [f64; 3],
     view: [f64; 3],
@@ -52,7 +52,7 @@ pub fn eval(
 /// # Errors
 /// As [`Ndf::facets`].
 pub fn eval_with(
-    ndf: &impl Ndf,
+    ndf: &(impl Ndf + ?Sized),
     footprint: &Footprint,
     light: [f64; 3],
     view: [f64; 3],
@@ -113,7 +113,7 @@ impl FacetMasking {
 /// # Errors
 /// As [`Ndf::sample`].
 pub fn sample(
-    ndf: &impl Ndf,
+    ndf: &(impl Ndf + ?Sized),
     footprint: &Footprint,
     view: [f64; 3],
     uniform: [f64; 4],
@@ -142,7 +142,7 @@ pub fn sample(
 /// # Errors
 /// As [`Ndf::pdf`].
 pub fn pdf(
-    ndf: &impl Ndf,
+    ndf: &(impl Ndf + ?Sized),
     footprint: &Footprint,
     light: [f64; 3],
     view: [f64; 3],

@@ -2,18 +2,23 @@
 //!
 //! A method joins reports and stress checks by one file here and one row of [`REGISTRY`].
 
+mod chart;
 mod draw;
 mod flake_bins;
 mod lean;
+mod limits;
 mod specular_bins;
 
+pub use chart::Chart;
 pub(super) use draw::standard_normal;
+pub use limits::{Against, Bound, Ladder};
 
 use glintbake_bake::MethodRecipe;
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::oracle::{TexelWeight, texel_weights};
 use glintbake_format::model::{Filter, Footprint, HalfVector, Method};
-use glintbake_runtime::{QueryError, Setting, SurfaceNdf};
+use glintbake_runtime::{Instance, QueryError, Setting, SurfaceNdf};
+use std::f64::consts::PI;
 
 /// Every method, in the order of its code.
 pub const REGISTRY: &[&dyn Subject] = &[
@@ -55,6 +60,91 @@ pub trait Subject: Sync {
 
     /// The common truth of the method's kernel under `patch`: every texel with its own normal.
     fn truth(&self, variant: &Variant, patch: &Patch<'_>, roughness: f64) -> Box<dyn Reference>;
+
+    /// The settings of [`variants`](Self::variants) that `instance`, which is baked already, can be asked for.
+    fn variants_of(&self, instance: &Instance, filter: Filter) -> Vec<Variant> {
+        let _ = instance;
+        one_of_each_question(self.variants(filter))
+    }
+
+    /// The greatest density that a normal of the method's kernel gives a half vector, about.
+    fn peak(&self, variant: &Variant, roughness: f64) -> f64 {
+        let _ = variant;
+        // Beckmann's 1 / cos⁴ makes up for its exponential up to a tangent of 1, for α near 1.
+        1.5 / (PI * roughness * roughness)
+    }
+
+    /// How far answers under `filter` may be from the model, for normals of `map`.
+    fn bound(&self, variant: &Variant, filter: Filter, map: &NormalMap, roughness: f64) -> Bound {
+        let _ = (map, roughness);
+        bound_of_weights(filter, variant.tolerance)
+    }
+
+    /// Coordinates in which the lobe or bin of the normal `centre` is a few units wide.
+    fn chart(&self, variant: &Variant, centre: HalfVector, roughness: f64) -> Chart {
+        let _ = variant;
+        Chart::slopes(centre, roughness)
+    }
+
+    /// Settings in order of their error, under footprints weighed by `filter`; by default the tolerance of Gaussians.
+    fn ladders(&self, filter: Filter) -> Vec<Ladder> {
+        match filter {
+            Filter::Box => Vec::new(),
+            Filter::Gaussian => vec![tolerance_ladder(self.variants(filter))],
+        }
+    }
+}
+
+/// `variants` without those that ask as one before does.
+fn one_of_each_question(variants: Vec<Variant>) -> Vec<Variant> {
+    let mut kept: Vec<Variant> = Vec::new();
+    for variant in variants {
+        let asks = |other: &Variant| (other.setting, other.tolerance);
+        if kept.iter().all(|other| asks(other) != asks(&variant)) {
+            kept.push(variant);
+        }
+    }
+    kept
+}
+
+/// The bound of a method whose only errors are those of its weights.
+fn bound_of_weights(filter: Filter, tolerance: Option<f64>) -> Bound {
+    match (filter, tolerance) {
+        (Filter::Box, _) => Bound {
+            relative: 1e-5,
+            floor: 1e-6,
+            reason: "the model's own sum, in f64: rounding of weights and exponentials, and of half vectors by 4 ulp"
+                .to_owned(),
+        },
+        (Filter::Gaussian, Some(0.0)) => Bound {
+            relative: 1e-4,
+            floor: 0.2,
+            reason: "Gaussians end at 4.8 standard deviations, which leaves out 1e-5 of the weight".to_owned(),
+        },
+        (Filter::Gaussian, _) => Bound {
+            relative: 0.02,
+            floor: 0.05,
+            reason: "texels are weighed together within the tolerance: 0.6 % of the density on average, more at a \
+                     single half vector"
+                .to_owned(),
+        },
+    }
+}
+
+/// The tolerance of the first of `variants` tightened.
+fn tolerance_ladder(variants: Vec<Variant>) -> Ladder {
+    let rungs = [0.5, 0.125, 0.03, 0.0].map(|tolerance| Variant {
+        name: format!("tolerance {tolerance}"),
+        tolerance: Some(tolerance),
+        ..variants[0].clone()
+    });
+    Ladder {
+        name: "tolerance",
+        rungs: rungs.into(),
+        against: Against::Model,
+        exact: 1e-4,
+        slack: 1.25,
+    }
 }
 
 /// A setting of a method: how it is baked, and how it is asked.
@@ -133,7 +223,7 @@ impl<'m> Patch<'m> {
     }
 
     /// The point of the disk of the texel that `uniform` in [0, 1) chooses by weight.
-    fn normal_by_weight(&self, uniform: f64) -> [f64; 2] {
+    pub fn normal_by_weight(&self, uniform: f64) -> [f64; 2] {
         let mut left = uniform;
         // Rounding may leave a little beyond the last texel, which then takes it.
         let mut chosen = None;

@@ -1,9 +1,10 @@
 //! `specular-bins`: the paper's 127 bins a side, coarser and finer.
 
-use super::{Patch, Reference, Subject, Variant};
+use super::{Chart, Patch, Reference, Subject, Variant};
 use glintbake_bake::MethodRecipe;
-use glintbake_bake::oracle::specular_bins::{Prepared, bin_of, normal_at};
+use glintbake_bake::oracle::specular_bins::{Prepared, bin_of, normal_at, solid_angle};
 use glintbake_format::model::{Filter, HalfVector, Method};
+use glintbake_runtime::Instance;
 
 /// The paper's bins a side, and what a recipe takes that names none.
 const DEFAULT_BINS: u32 = 127;
@@ -20,7 +21,54 @@ impl Subject for SpecularBins {
     }
 
     fn variants(&self, filter: Filter) -> Vec<Variant> {
-        let of = |bins: u32, tolerance: Option<f64>| Variant {
+        let of = |bins, tolerance| self.variant(bins, tolerance);
+        let mut variants = vec![of(DEFAULT_BINS, None), of(32, None), of(500, None)];
+        if filter == Filter::Gaussian {
+            variants.push(of(DEFAULT_BINS, Some(0.0)));
+        }
+        variants
+    }
+
+    fn model(&self, variant: &Variant, patch: &Patch<'_>, _: f64) -> Box<dyn Reference> {
+        let bins = bins_of(variant);
+        Box::new(Mirrors {
+            bins,
+            prepared: Prepared::from_weights(patch.map, &patch.weights, bins),
+        })
+    }
+
+    /// The method has no kernel: its truth is the average over the half vector's bin, which is its model.
+    fn is_truth(&self, _: &Variant) -> bool {
+        true
+    }
+
+    fn truth(&self, variant: &Variant, patch: &Patch<'_>, roughness: f64) -> Box<dyn Reference> {
+        self.model(variant, patch, roughness)
+    }
+
+    fn variants_of(&self, instance: &Instance, filter: Filter) -> Vec<Variant> {
+        let bins = instance.grid.resolution();
+        let mut variants = vec![self.variant(bins, None)];
+        if filter == Filter::Gaussian {
+            variants.push(self.variant(bins, Some(0.0)));
+        }
+        variants
+    }
+
+    fn peak(&self, variant: &Variant, _: f64) -> f64 {
+        1.0 / solid_angle(bins_of(variant))
+    }
+
+    fn chart(&self, variant: &Variant, _: HalfVector, _: f64) -> Chart {
+        Chart::Bins {
+            bins: bins_of(variant),
+        }
+    }
+}
+
+impl SpecularBins {
+    fn variant(&self, bins: u32, tolerance: Option<f64>) -> Variant {
+        Variant {
             name: match tolerance {
                 None => format!("{bins} bins"),
                 Some(tolerance) => format!("{bins} bins, tolerance {tolerance}"),
@@ -32,30 +80,12 @@ impl Subject for SpecularBins {
             },
             setting: None,
             tolerance,
-        };
-        let mut variants = vec![of(DEFAULT_BINS, None), of(32, None), of(500, None)];
-        if filter == Filter::Gaussian {
-            variants.push(of(DEFAULT_BINS, Some(0.0)));
         }
-        variants
     }
+}
 
-    /// The method has no kernel: its truth is the average over the half vector's bin, which is its model.
-    fn is_truth(&self, _: &Variant) -> bool {
-        true
-    }
-
-    fn model(&self, variant: &Variant, patch: &Patch<'_>, _: f64) -> Box<dyn Reference> {
-        let bins = variant.recipe.bins.unwrap_or(DEFAULT_BINS);
-        Box::new(Mirrors {
-            bins,
-            prepared: Prepared::from_weights(patch.map, &patch.weights, bins),
-        })
-    }
-
-    fn truth(&self, variant: &Variant, patch: &Patch<'_>, roughness: f64) -> Box<dyn Reference> {
-        self.model(variant, patch, roughness)
-    }
+fn bins_of(variant: &Variant) -> u32 {
+    variant.recipe.bins.unwrap_or(DEFAULT_BINS)
 }
 
 struct Mirrors {
