@@ -9,7 +9,7 @@ use std::path::PathBuf;
 pub struct StressArgs {
     /// Package or map to put to the test; without it, every method on built-in worst cases
     #[arg(value_name = "PACKAGE|MAP")]
-    pub input: Option<PathBuf>,
+    pub subject: Option<PathBuf>,
 
     /// Fewer maps and roughnesses
     #[arg(long)]

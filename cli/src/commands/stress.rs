@@ -27,16 +27,16 @@ pub fn run(arguments: &StressArgs, console: &Console) -> Result<(), CommandError
     } else {
         &ROUGHNESSES
     };
-    let (name, outcomes) = match &arguments.input {
+    let (name, outcomes) = match &arguments.subject {
         None => {
             let maps = maps::built_in(arguments.quick);
-            let outcomes = stress::methods_on(&maps, roughnesses, &tick);
+            let outcomes = stress::on_maps(&maps, roughnesses, &tick);
             ("built-in maps".to_owned(), outcomes)
         }
         Some(path) => {
             let outcomes = match in_package(path, &tick)? {
                 Some(outcomes) => outcomes,
-                None => stress::methods_on(&[read_map(path, arguments)?], roughnesses, &tick),
+                None => stress::on_maps(&[read_map(path, arguments)?], roughnesses, &tick),
             };
             (path.display().to_string(), outcomes)
         }
@@ -62,7 +62,7 @@ fn in_package(
     if let Some(finding) = first {
         return Err(CommandError::from(finding).in_file(path.display()));
     }
-    let outcomes = stress::package(&path.display().to_string(), &package, tick)
+    let outcomes = stress::on_package(&path.display().to_string(), &package, tick)
         .map_err(|error| CommandError::from(error).in_file(path.display()))?;
     Ok(Some(outcomes))
 }

@@ -4,7 +4,7 @@
 use super::numbers::Numbers;
 use super::outcome::{Outcome, Recorder};
 use super::target::{Target, at};
-use crate::measure::subject::{Bound, Patch};
+use crate::measure::subject::Bound;
 use glintbake_format::model::{Footprint, HalfVector, Wrap};
 
 /// A step, in texels.
@@ -13,12 +13,6 @@ const STEP: f64 = 1e-4;
 const STEPS: i32 = 12;
 /// Edges of footprints that slide, in texels.
 const EDGES: [[f64; 2]; 4] = [[0.01, 0.01], [1.0, 0.7], [6.0, 5.0], [20.0, 0.05]];
-/// Footprints that grow, each by this factor.
-const SIZES: usize = 48;
-/// The least side of a map on which footprints grow, in texels.
-const LEAST_SIDE: u32 = 64;
-/// Texels under the largest that grows.
-const LARGEST: f64 = 40_000.0;
 
 const REASON: &str = "as a share of the kernel's peak: a step changes the weights of a footprint by at most its perimeter x step / \
                       area, and the answer by that and twice its accuracy";
@@ -28,7 +22,7 @@ pub(super) fn check(target: &Target<'_>) -> Outcome {
     let mut recorder = Recorder::new("continuity", REASON);
     let mut numbers = target.numbers("continuity");
     let bound = target.bound();
-    let size = [target.map.map.width(), target.map.map.height()];
+    let size = [target.map().width(), target.map().height()];
     let middle =
         size.map(|side| (f64::from(side / 2) / f64::from(side)).max(0.5 / f64::from(side)));
     let within = middle[1] + 0.31 / f64::from(size[1]);
@@ -49,7 +43,7 @@ pub(super) fn check(target: &Target<'_>) -> Outcome {
             );
         }
     }
-    grow(target, &bound, &mut numbers, &mut recorder);
+    grow(target, &bound, &mut recorder);
     recorder.finish()
 }
 
@@ -64,8 +58,8 @@ fn slide(
     recorder: &mut Recorder,
 ) {
     let size = [
-        f64::from(target.map.map.width()),
-        f64::from(target.map.map.height()),
+        f64::from(target.map().width()),
+        f64::from(target.map().height()),
     ];
     let turn = numbers.between(0.0, 1.5);
     let (sine, cosine) = libm::sincos(turn);
@@ -104,7 +98,7 @@ fn slide(
 
 /// The normals of the texels to the left and to the right of `border`.
 fn normals_beside(target: &Target<'_>, border: [f64; 2]) -> [HalfVector; 2] {
-    let map = &target.map.map;
+    let map = target.map();
     let fold = |x: f64, side: u32| {
         let texel = match map.wrap() {
             Wrap::Repeat => (x - x.floor()) * f64::from(side),
@@ -124,30 +118,22 @@ fn normals_beside(target: &Target<'_>, border: [f64; 2]) -> [HalfVector; 2] {
 }
 
 /// Grows a footprint over all sizes at which look-ups and levels change: what the model does not explain is a pop.
-fn grow(target: &Target<'_>, bound: &Bound, numbers: &mut Numbers, recorder: &mut Recorder) {
-    let map = &target.map.map;
-    if map.width().min(map.height()) < LEAST_SIDE {
+fn grow(target: &Target<'_>, bound: &Bound, recorder: &mut Recorder) {
+    let Some(first) = target.ground.growing.first() else {
         return;
-    }
-    let centre = [numbers.uniform(), numbers.uniform()];
+    };
+    let [s, t] = first.patch.normal_by_weight(0.5);
+    let h = HalfVector { s, t };
     let peak = target.peak();
-    let growth = libm::pow(LARGEST.sqrt() / 2.0, 1.0 / SIZES as f64);
     let mut before: Option<f64> = None;
-    let mut h = None;
-    for size in 0..SIZES {
-        let edge = 2.0 * libm::pow(growth, size as f64);
-        let footprint = Footprint::square(centre, edge, map.width(), map.height());
-        let patch = Patch::new(map, &footprint, target.filter);
-        let h = *h.get_or_insert_with(|| {
-            let [s, t] = patch.normal_by_weight(0.5);
-            HalfVector { s, t }
-        });
+    for place in &target.ground.growing {
+        let footprint = &place.patch.footprint;
         let model = target
             .subject
-            .model(target.variant, &patch, target.alpha())
+            .model(target.variant, &place.patch, target.alpha())
             .ndf(h);
-        let here = || at(format!("grow to {edge:.1} texels"), &footprint, Some(h));
-        let answer = recorder.ask(here, || target.answers.eval(&footprint, h));
+        let here = || at("grow from the size before", footprint, Some(h));
+        let answer = recorder.ask(here, || target.answers.eval(footprint, h));
         let unexplained = answer.map(|answer| answer - model);
         if let (Some(before), Some(now)) = (before, unexplained) {
             let allowed = 2.0 * bound.allowed(model, peak) / peak;

@@ -1,4 +1,4 @@
-//! Energy: what the pdf integrates to, against the model's and, where no lobe crosses the horizon, against 1.
+//! Energy: what the pdf integrates to, against the model's and, where no lobe crosses the horizon, against the truth's, 1.
 
 use super::footprints::{COUNTED, POINT};
 use super::numbers::Numbers;
@@ -109,6 +109,9 @@ fn sum(target: &Target<'_>, place: &Place<'_>, nodes: &[Node], recorder: &mut Re
         } else {
             LOST
         };
-        recorder.compare((energy - 1.0).abs(), lost + allowed, || what("energy lost"));
+        // The truth's energy is 1, summed over the same nodes.
+        recorder.compare((energy - truth).abs(), lost + allowed, || {
+            what("energy lost")
+        });
     }
 }

@@ -19,6 +19,20 @@ pub const POINT: &str = "1e-4 texel";
 /// The name of the footprint that draws are counted under.
 pub const COUNTED: &str = "3 texels";
 
+/// The names of the footprints that are also asked in f32.
+pub const IN_SINGLE_PRECISION: [&str; 5] = [
+    "0.1 texel",
+    COUNTED,
+    "1 tile",
+    "anisotropy 1e3",
+    "1e6 tiles away",
+];
+
+/// Sizes of the footprint that grows, the texels under the largest, and the least side of a map on which it does.
+const SIZES: u32 = 48;
+const LARGEST: f64 = 40_000.0;
+const LEAST_SIDE: u32 = 64;
+
 /// Every extreme footprint on `map`.
 pub fn extreme(map: &NormalMap, numbers: &mut Numbers) -> Vec<NamedFootprint> {
     let mut footprints = Vec::new();
@@ -87,6 +101,41 @@ fn turned(map: &NormalMap, numbers: &mut Numbers, edges: [f64; 2]) -> Footprint 
     }
 }
 
+/// A square footprint that grows from 2 texels to more than the map; none on small maps, on which no look-up and no level
+/// changes.
+pub fn growing(map: &NormalMap, numbers: &mut Numbers) -> Vec<NamedFootprint> {
+    if map.width().min(map.height()) < LEAST_SIDE {
+        return Vec::new();
+    }
+    let centre = [numbers.uniform(), numbers.uniform()];
+    let growth = libm::pow(0.5 * LARGEST.sqrt(), 1.0 / f64::from(SIZES));
+    (0..SIZES)
+        .map(|size| NamedFootprint {
+            name: "growing",
+            footprint: Footprint::square(
+                centre,
+                2.0 * libm::pow(growth, f64::from(size)),
+                map.width(),
+                map.height(),
+            ),
+        })
+        .collect()
+}
+
+/// `named` with every coordinate rounded to f32.
+pub fn rounded(named: &NamedFootprint) -> NamedFootprint {
+    let round = |pair: [f64; 2]| pair.map(|x| f64::from(x as f32));
+    let footprint = &named.footprint;
+    NamedFootprint {
+        name: named.name,
+        footprint: Footprint {
+            centre: round(footprint.centre),
+            edge_1: round(footprint.edge_1),
+            edge_2: round(footprint.edge_2),
+        },
+    }
+}
+
 /// About how many texels the oracle visits under `footprint`, copies counted.
 pub fn texels_visited(map: &NormalMap, footprint: &Footprint, filter: Filter) -> f64 {
     let size = [f64::from(map.width()), f64::from(map.height())];
@@ -100,8 +149,22 @@ pub fn texels_visited(map: &NormalMap, footprint: &Footprint, filter: Filter) ->
         Filter::Gaussian => 81.0 * PI * 0.25 * area + 18.0 * outline,
     };
     match map.wrap() {
+        // A Gaussian of a few tiles weighs all texels alike.
+        Wrap::Repeat if filter == Filter::Gaussian && deviation_in_tiles(footprint) >= 1.5 => {
+            size[0] * size[1]
+        }
         Wrap::Repeat => visited,
         // Beyond its border, a clamped map is visited a row or a column at a time.
         Wrap::Clamp => visited.min(4.0 * (size[0] + 2.0) * (size[1] + 2.0) + 18.0 * outline),
     }
+}
+
+/// The least standard deviation of `footprint` as a Gaussian in tiles, or a little less.
+fn deviation_in_tiles(footprint: &Footprint) -> f64 {
+    let Footprint { edge_1, edge_2, .. } = footprint;
+    let squares: f64 = [edge_1, edge_2].into_iter().flatten().map(|x| x * x).sum();
+    if squares == 0.0 {
+        return 0.0;
+    }
+    0.5 * (edge_1[0] * edge_2[1] - edge_1[1] * edge_2[0]).abs() / squares.sqrt()
 }

@@ -1,5 +1,6 @@
 //! What came of a check: how far off, where, how much energy, what must never happen, and the verdict.
 
+use crate::measure::subject::Subject;
 use glintbake_format::model::{Filter, Footprint, HalfVector};
 use glintbake_runtime::QueryError;
 use std::panic::{self, AssertUnwindSafe};
@@ -98,6 +99,32 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Nothing of `check`, which could not be tried for `reason`.
+    pub fn skipped(check: &'static str, reason: impl Into<String>) -> Self {
+        Recorder::new(check, reason).outcome
+    }
+
+    /// The failure of `check` as a whole, for `complaint`.
+    pub fn failed(check: &'static str, complaint: impl Into<String>) -> Self {
+        Self {
+            verdict: Verdict::Fail,
+            faults: Faults {
+                errors: 1,
+                ..Faults::default()
+            },
+            complaint: Some(complaint.into()),
+            ..Self::skipped(check, "it must run to its end")
+        }
+    }
+
+    /// The same of the method of `subject` at `roughness`.
+    #[must_use]
+    pub fn of(mut self, subject: &dyn Subject, roughness: Option<f64>) -> Self {
+        subject.method().name().clone_into(&mut self.method);
+        self.roughness = roughness;
+        self
+    }
+
     /// How near the worst error comes to its bound: above 1 is beyond.
     pub fn ratio(&self) -> f64 {
         ratio(self.error, self.bound)
@@ -248,18 +275,15 @@ impl Recorder {
         self.outcome.energy = Some([least.min(energy), most.max(energy)]);
     }
 
-    /// Says why the bound is what it is.
-    pub fn because(&mut self, reason: impl Into<String>) {
-        self.outcome.reason = reason.into();
-    }
-
-    /// The outcome, [`Verdict::Skipped`] for the reason given if nothing was tried.
+    /// The outcome, [`Verdict::Skipped`] if nothing was tried.
     pub fn finish(self) -> Outcome {
         let mut outcome = self.outcome;
         let is_within = outcome.error <= outcome.bound;
         outcome.verdict = if outcome.faults.count() > 0 || !is_within {
             Verdict::Fail
         } else if outcome.tried == 0 {
+            "the map has no footprint for it that the oracle can weigh"
+                .clone_into(&mut outcome.reason);
             Verdict::Skipped
         } else if outcome.refused > 0 && outcome.at.is_none() {
             Verdict::Refused

@@ -3,20 +3,10 @@
 use super::outcome::{Outcome, Recorder};
 use super::target::{Target, at};
 use super::{accuracy, half_vectors};
-use crate::measure::subject::Patch;
-use glintbake_format::model::{Footprint, HalfVector};
+use glintbake_format::model::HalfVector;
 
 const REASON: &str = "a query rounded to f32 is another query: the answer moves as far as the model does, by the query's own \
                       conditioning, and no further";
-
-/// The footprints that are asked in f32.
-const PLACES: [&str; 5] = [
-    "0.1 texel",
-    "3 texels",
-    "1 tile",
-    "anisotropy 1e3",
-    "1e6 tiles away",
-];
 
 /// Asks with footprint and half vector rounded to f32.
 pub(super) fn check(target: &Target<'_>) -> Outcome {
@@ -24,30 +14,22 @@ pub(super) fn check(target: &Target<'_>) -> Outcome {
     let mut numbers = target.numbers("precision");
     let bound = target.bound();
     let peak = target.peak();
-    for place in PLACES.iter().filter_map(|name| target.place(name)) {
-        let footprint = rounded(&place.patch.footprint);
-        let patch = Patch::new(&target.map.map, &footprint, target.filter);
-        let model = target.subject.model(target.variant, &patch, target.alpha());
-        for h in half_vectors::extreme(&patch, &*model, target.width(), &mut numbers) {
+    for place in &target.ground.rounded {
+        let footprint = &place.patch.footprint;
+        let model = target
+            .subject
+            .model(target.variant, &place.patch, target.alpha());
+        for h in half_vectors::extreme(&place.patch, &*model, target.width(), &mut numbers) {
             let h = HalfVector {
                 s: f64::from(h.s as f32),
                 t: f64::from(h.t as f32),
             };
-            let here = || at(format!("eval in f32, {}", place.name), &footprint, Some(h));
-            if let Some(got) = recorder.ask(here, || target.answers.eval(&footprint, h)) {
+            let here = || at(format!("eval in f32, {}", place.name), footprint, Some(h));
+            if let Some(got) = recorder.ask(here, || target.answers.eval(footprint, h)) {
                 let error = accuracy::error(&bound, got, peak, |h| model.ndf(h), h);
                 recorder.compare(error, bound.relative, here);
             }
         }
     }
     recorder.finish()
-}
-
-fn rounded(footprint: &Footprint) -> Footprint {
-    let round = |pair: [f64; 2]| pair.map(|x| f64::from(x as f32));
-    Footprint {
-        centre: round(footprint.centre),
-        edge_1: round(footprint.edge_1),
-        edge_2: round(footprint.edge_2),
-    }
 }

@@ -1,7 +1,7 @@
 //! What must be refused, with an error that names the cause: numbers that are none, footprints beyond all bounds,
 //! texels that are no normals, options out of range, maps beyond the memory allowed.
 
-use super::outcome::{At, Faults, Outcome, Recorder, Verdict};
+use super::outcome::{At, Outcome, Recorder};
 use super::target::Target;
 use crate::measure::subject::Subject;
 use glintbake_bake::image::{Format, Layout, Raster, Samples};
@@ -19,12 +19,7 @@ const TEXEL_REASON: &str =
 /// Queries that are none, and half vectors outside the disk, which have no density.
 pub(super) fn queries(target: &Target<'_>) -> Outcome {
     let mut recorder = Recorder::new("refusals", QUERY_REASON);
-    let sound = Footprint::square(
-        [0.4, 0.3],
-        1.0,
-        target.map.map.width(),
-        target.map.map.height(),
-    );
+    let sound = Footprint::square([0.4, 0.3], 1.0, target.map().width(), target.map().height());
     let pole = HalfVector { s: 0.0, t: 0.0 };
     for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for coordinate in 0..6 {
@@ -147,9 +142,7 @@ pub(super) fn options(subject: &dyn Subject) -> Outcome {
     refuses(&wide, method, roughness, what, &mut recorder, |error| {
         matches!(error, BakeError::MapTooLarge { .. })
     });
-    let mut outcome = recorder.finish();
-    method.name().clone_into(&mut outcome.method);
-    outcome
+    recorder.finish().of(subject, None)
 }
 
 fn refuses(
@@ -237,23 +230,15 @@ fn image_with(texel: [f32; 3]) -> Raster {
 
 /// A statement, not a trial: what a map of 16384² takes, and what `--memory` says of it.
 pub(super) fn memory(subject: &dyn Subject) -> Outcome {
-    let recipe = Recipe::new(vec![MethodRecipe::new(
-        subject.method(),
-        if subject.is_rough() { &[0.1] } else { &[] },
-    )]);
-    let bytes = recipe.bytes_per_texel() << 28;
+    let roughness: &[f64] = if subject.is_rough() { &[0.1] } else { &[] };
+    let recipe = Recipe::new(vec![MethodRecipe::new(subject.method(), roughness)]);
+    let gigabytes = (recipe.bytes_per_texel() << 28) as f64 / 1e9;
+    let reason = format!(
+        "not baked here: it takes about {gigabytes:.1} GB, and bake refuses it by its header with less --memory (16GB \
+         unless named)"
+    );
     Outcome {
-        verdict: Verdict::Skipped,
-        method: subject.method().name().to_owned(),
         map: "16384x16384".to_owned(),
-        faults: Faults::default(),
-        ..Recorder::new(
-            "refusals",
-            format!(
-                "not baked here: it takes about {:.1} GB, and bake refuses it by its header with less --memory (16GB unless named)",
-                bytes as f64 / 1e9
-            ),
-        )
-        .finish()
+        ..Outcome::skipped("refusals", reason).of(subject, None)
     }
 }

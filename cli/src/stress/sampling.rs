@@ -25,7 +25,7 @@ const REASON: &str = "a right sampler's chi-square exceeds 4.9 standard deviatio
 pub(super) fn check(target: &Target<'_>) -> Outcome {
     let mut recorder = Recorder::new("sampling", REASON);
     let mut numbers = target.numbers("sampling");
-    for place in target.places {
+    for place in &target.ground.places {
         directions(target, place, &mut numbers, &mut recorder);
     }
     for name in [POINT, COUNTED] {

@@ -5,11 +5,12 @@ use super::maps::NamedMap;
 use super::numbers::Numbers;
 use super::outcome::At;
 use crate::measure::subject::{Bound, Patch, Subject, Variant};
+use glintbake_bake::normals::NormalMap;
 use glintbake_format::model::{Filter, Footprint, HalfVector};
 use glintbake_runtime::Ndf;
 
 /// The most texels the oracle visits under one footprint, copies of a tile counted, and the most different ones.
-const VISITED: f64 = 2e6;
+const VISITED: f64 = 3e7;
 const DIFFERENT: f64 = 5e4;
 
 /// One setting of a method on one map.
@@ -19,14 +20,10 @@ pub struct Target<'a> {
     pub subject: &'a dyn Subject,
     /// The setting.
     pub variant: &'a Variant,
-    /// How footprints weigh texels.
-    pub filter: Filter,
     /// Beckmann's α, if the method has any.
     pub roughness: Option<f64>,
-    /// The map.
-    pub map: &'a NamedMap,
-    /// Extreme footprints on the map.
-    pub places: &'a [Place<'a>],
+    /// The map and footprints on it.
+    pub ground: &'a Ground<'a>,
     /// What is put to the test.
     pub answers: &'a (dyn Ndf + Sync),
 }
@@ -40,30 +37,65 @@ pub struct Place<'m> {
     pub patch: Patch<'m>,
 }
 
-/// Places, and the names of the footprints that are too large for the oracle.
-pub type Places<'m> = (Vec<Place<'m>>, Vec<&'static str>);
+/// Everything footprints weigh on one map by one filter: made once for all methods, roughnesses and settings.
+#[derive(Clone, Debug)]
+pub struct Ground<'m> {
+    /// The map.
+    pub map: &'m NamedMap,
+    /// How footprints weigh texels.
+    pub filter: Filter,
+    /// Extreme footprints.
+    pub places: Vec<Place<'m>>,
+    /// Some of them rounded to f32.
+    pub rounded: Vec<Place<'m>>,
+    /// One that grows.
+    pub growing: Vec<Place<'m>>,
+    /// Names of the extreme footprints with too many texels for the oracle.
+    pub left_out: Vec<&'static str>,
+}
 
-/// The extreme footprints on `map`, weighed by `filter`.
-pub fn places(map: &NamedMap, filter: Filter) -> Places<'_> {
-    let mut numbers = Numbers::of(&[&map.name, "footprints"]);
-    let mut places = Vec::new();
-    let mut left_out = Vec::new();
-    for NamedFootprint { name, footprint } in footprints::extreme(&map.map, &mut numbers) {
-        let visited = footprints::texels_visited(&map.map, &footprint, filter);
-        let different = visited.min(map.map.texels().len() as f64);
-        if visited > VISITED || different > DIFFERENT {
-            left_out.push(name);
-            continue;
-        }
-        places.push(Place {
+impl<'m> Ground<'m> {
+    /// The ground of `map` under `filter`. Costs one weight of the oracle for every texel under every footprint.
+    pub fn new(map: &'m NamedMap, filter: Filter) -> Self {
+        let mut numbers = Numbers::of(&[&map.name, "footprints"]);
+        let mut ground = Self {
+            map,
+            filter,
+            places: Vec::new(),
+            rounded: Vec::new(),
+            growing: Vec::new(),
+            left_out: Vec::new(),
+        };
+        let weigh = |NamedFootprint { name, footprint }| Place {
             name,
             patch: Patch::new(&map.map, &footprint, filter),
-        });
+        };
+        for named in footprints::extreme(&map.map, &mut numbers) {
+            let visited = footprints::texels_visited(&map.map, &named.footprint, filter);
+            let different = visited.min(map.map.texels().len() as f64);
+            if visited > VISITED || different > DIFFERENT {
+                ground.left_out.push(named.name);
+                continue;
+            }
+            if footprints::IN_SINGLE_PRECISION.contains(&named.name) {
+                ground.rounded.push(weigh(footprints::rounded(&named)));
+            }
+            ground.places.push(weigh(named));
+        }
+        ground.growing = footprints::growing(&map.map, &mut numbers)
+            .into_iter()
+            .map(weigh)
+            .collect();
+        ground
     }
-    (places, left_out)
 }
 
 impl Target<'_> {
+    /// The map.
+    pub fn map(&self) -> &NormalMap {
+        &self.ground.map.map
+    }
+
     /// Roughness as subjects take it.
     pub fn alpha(&self) -> f64 {
         self.roughness.unwrap_or_default()
@@ -82,17 +114,17 @@ impl Target<'_> {
     /// How far answers may be off the model.
     pub fn bound(&self) -> Bound {
         self.subject
-            .bound(self.variant, self.filter, &self.map.map, self.alpha())
+            .bound(self.variant, self.ground.filter, self.map(), self.alpha())
     }
 
     /// Numbers of this target's own, the same for every setting of a method.
     pub fn numbers(&self, check: &str) -> Numbers {
-        Numbers::of(&[check, &self.map.name, self.subject.method().name()])
+        Numbers::of(&[check, &self.ground.map.name, self.subject.method().name()])
     }
 
     /// The place called `name`, if the map has one.
     pub fn place(&self, name: &str) -> Option<&Place<'_>> {
-        self.places.iter().find(|place| place.name == name)
+        self.ground.places.iter().find(|place| place.name == name)
     }
 }
 

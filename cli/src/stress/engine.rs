@@ -1,0 +1,232 @@
+//! Every method, setting and filter through every check, in parallel and in a fixed order.
+
+use super::maps::NamedMap;
+use super::outcome::Outcome;
+use super::target::{Ground, Target};
+use super::{CHECKS, FILTERS, convergence, rebuild, refusals, run_check};
+use crate::measure::subject::{REGISTRY, Subject, Variant, find};
+use glintbake_bake::{MethodRecipe, Recipe, bake};
+use glintbake_runtime::{Instance, Package, QueryError, SurfaceNdf};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The roughness at which settings are tightened.
+const LADDER_ROUGHNESS: f64 = 0.03;
+/// The least side of a map on which they are, in texels.
+const LADDER_SIDE: u32 = 64;
+
+/// Hears how many pieces are done, of how many.
+pub type Tick<'t> = &'t (dyn Fn(u64, u64) + Sync);
+
+/// Runs every check of every registered method on `maps`, which are baked in memory; rough methods for each of
+/// `roughnesses`.
+///
+/// Takes memory for the weights of all footprints on all maps, and time in proportion to the number of maps.
+pub fn on_maps(maps: &[NamedMap], roughnesses: &[f64], tick: Tick<'_>) -> Vec<Outcome> {
+    let grounds: Vec<_> = maps
+        .par_iter()
+        .flat_map_iter(|map| FILTERS.map(|filter| Ground::new(map, filter)))
+        .collect();
+    let mut pieces = Vec::new();
+    for &subject in REGISTRY {
+        let of_subject: Vec<_> = if subject.is_rough() {
+            roughnesses.iter().copied().map(Some).collect()
+        } else {
+            vec![None]
+        };
+        for ground in &grounds {
+            pieces.extend(of_subject.iter().map(|&alpha| (subject, ground, alpha)));
+        }
+    }
+    let (done, total) = (AtomicU64::new(0), pieces.len() as u64);
+    let mut outcomes: Vec<Outcome> = pieces
+        .par_iter()
+        .flat_map_iter(|&(subject, ground, roughness)| {
+            let outcomes = on_ground(subject, ground, roughness);
+            tick(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+            outcomes
+        })
+        .collect();
+    outcomes.extend(ladders(maps, roughnesses));
+    for &subject in REGISTRY {
+        outcomes.push(refusals::options(subject));
+        outcomes.push(refusals::memory(subject));
+    }
+    outcomes.push(refusals::texels());
+    outcomes
+}
+
+/// Runs every check of every instance of `package`, whose file is called `name`, on the map that it holds: see
+/// [`rebuild::normal_map`].
+///
+/// # Errors
+/// If the package is damaged.
+pub fn on_package(
+    name: &str,
+    package: &Package<'_>,
+    tick: Tick<'_>,
+) -> Result<Vec<Outcome>, QueryError> {
+    let mut outcomes = Vec::new();
+    let instances: Vec<_> = package.instances().collect();
+    for (place, instance) in (0..).zip(&instances) {
+        tick(place, instances.len() as u64);
+        outcomes.extend(on_instance(name, package, instance)?);
+    }
+    Ok(outcomes)
+}
+
+fn on_instance(
+    name: &str,
+    package: &Package<'_>,
+    instance: &Instance,
+) -> Result<Vec<Outcome>, QueryError> {
+    let subject = find(instance.method);
+    let map = NamedMap {
+        name: name.to_owned(),
+        map: rebuild::normal_map(package.container(), instance)?,
+    };
+    let ndf = package.ndf(instance.number)?;
+    let grounds = FILTERS.map(|filter| Ground::new(&map, filter));
+    let mut questions = Vec::new();
+    for ground in &grounds {
+        for variant in subject.variants_of(instance, ground.filter) {
+            questions.push((ground, variant));
+        }
+    }
+    let mut outcomes: Vec<_> = questions
+        .par_iter()
+        .flat_map_iter(|(ground, variant)| {
+            answer(subject, variant, instance.roughness, ground, ndf)
+        })
+        .collect();
+    let reason = "each setting is baked for it; give the map instead of the package";
+    let mut ladders = Outcome::skipped("convergence", reason).of(subject, instance.roughness);
+    ladders.map.clone_from(&map.name);
+    outcomes.push(ladders);
+    Ok(outcomes)
+}
+
+/// Every check of every setting of `subject`, baked from the map of `ground`.
+fn on_ground(subject: &dyn Subject, ground: &Ground<'_>, roughness: Option<f64>) -> Vec<Outcome> {
+    let mut baked: Vec<(MethodRecipe, Result<Vec<u8>, String>)> = Vec::new();
+    let mut outcomes = Vec::new();
+    for variant in subject.variants(ground.filter) {
+        let recipe = variant.recipe_for(roughness.unwrap_or_default());
+        let known = baked.iter().position(|(other, _)| *other == recipe);
+        let place = known.unwrap_or_else(|| {
+            let plan = bake(&ground.map.map, &Recipe::new(vec![recipe.clone()]), None);
+            let bytes = plan.map(|plan| plan.to_bytes());
+            baked.push((recipe, bytes.map_err(|error| error.to_string())));
+            baked.len() - 1
+        });
+        let ndf = match &baked[place].1 {
+            Ok(bytes) => Package::open(bytes)
+                .map_err(QueryError::from)
+                .and_then(|package| package.ndf(1))
+                .map_err(|error| error.to_string()),
+            Err(error) => Err(error.clone()),
+        };
+        match ndf {
+            Ok(ndf) => outcomes.extend(answer(subject, &variant, roughness, ground, ndf)),
+            Err(error) => {
+                let failed = Outcome::failed("accuracy", format!("it cannot be baked: {error}"));
+                outcomes.push(named(failed, subject, &variant, roughness, ground));
+            }
+        }
+    }
+    outcomes
+}
+
+/// Every check of `ndf`, asked as `variant` asks.
+fn answer(
+    subject: &dyn Subject,
+    variant: &Variant,
+    roughness: Option<f64>,
+    ground: &Ground<'_>,
+    ndf: SurfaceNdf<'_>,
+) -> Vec<Outcome> {
+    let answers = match variant.ask(ndf, ground.filter) {
+        Ok(answers) => answers,
+        Err(error) => {
+            let outcome = match error {
+                QueryError::NotBaked { .. } => Outcome::skipped("accuracy", error.to_string()),
+                _ => Outcome::failed("accuracy", error.to_string()),
+            };
+            return vec![named(outcome, subject, variant, roughness, ground)];
+        }
+    };
+    let target = Target {
+        subject,
+        variant,
+        roughness,
+        ground,
+        answers: &answers,
+    };
+    let mut outcomes: Vec<_> = CHECKS
+        .iter()
+        .map(|&(name, check)| run_check(name, check, &target))
+        .collect();
+    if !ground.left_out.is_empty() {
+        let reason = format!(
+            "too many texels for the oracle: footprints of {}",
+            ground.left_out.join(", ")
+        );
+        let skipped = Outcome::skipped("accuracy", reason);
+        let mut skipped = named(skipped, subject, variant, roughness, ground);
+        skipped.map += ", large footprints";
+        outcomes.push(skipped);
+    }
+    outcomes
+}
+
+fn named(
+    outcome: Outcome,
+    subject: &dyn Subject,
+    variant: &Variant,
+    roughness: Option<f64>,
+    ground: &Ground<'_>,
+) -> Outcome {
+    Outcome {
+        variant: variant.name.clone(),
+        filter: Some(ground.filter),
+        map: ground.map.name.clone(),
+        ..outcome.of(subject, roughness)
+    }
+}
+
+/// The ladders of settings of every method, on the first map that is large enough.
+fn ladders(maps: &[NamedMap], roughnesses: &[f64]) -> Vec<Outcome> {
+    let mut ladders = Vec::new();
+    for &subject in REGISTRY {
+        for filter in FILTERS {
+            let of_filter = subject.ladders(filter).into_iter();
+            ladders.extend(of_filter.map(|ladder| (subject, filter, ladder)));
+        }
+    }
+    let is_large = |named: &&NamedMap| named.map.width().min(named.map.height()) >= LADDER_SIDE;
+    let map = maps.iter().find(is_large);
+    let distance = |alpha: f64| libm::fabs(libm::log(alpha / LADDER_ROUGHNESS));
+    let alphas = roughnesses.iter().copied();
+    let nearest = alphas.min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
+    ladders
+        .par_iter()
+        .map(|(subject, filter, ladder)| {
+            let alpha = nearest.filter(|_| subject.is_rough());
+            let outcome = match map {
+                Some(map) => Outcome {
+                    map: map.name.clone(),
+                    ..convergence::check(*subject, ladder, *filter, map, alpha)
+                },
+                None => Outcome::skipped(
+                    "convergence",
+                    format!("settings are compared on maps of {LADDER_SIDE} texels a side or more"),
+                ),
+            };
+            Outcome {
+                variant: ladder.name.to_owned(),
+                filter: Some(*filter),
+                ..outcome.of(*subject, alpha)
+            }
+        })
+        .collect()
+}
