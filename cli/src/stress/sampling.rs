@@ -93,7 +93,7 @@ fn count(target: &Target<'_>, place: &Place<'_>, numbers: &mut Numbers, recorder
         counts[cell] += 1.0;
     }
     let mut masses: Vec<f64> = (0..CELLS * CELLS)
-        .map(|cell| window.mass([cell % CELLS, cell / CELLS], CELLS, &*model))
+        .map(|cell| window.mass([cell % CELLS, cell / CELLS], CELLS, &*model, MANY as f64))
         .collect();
     masses.push((1.0 - masses.iter().sum::<f64>()).max(0.0));
     let deviate = chi_square_deviate(&counts, &masses);

@@ -71,11 +71,11 @@ impl Chart {
         }
     }
 
-    /// Where `x` may be the edge of a cell, no further than a quarter of a unit away: on borders of bins if there are any.
+    /// The place nearest to `x` where a window may end: on a border of bins if there are any.
     pub fn snap(&self, x: f64) -> f64 {
         match self {
             Self::Slopes { .. } => x,
-            Self::Bins { .. } => (4.0 * x).round() / 4.0,
+            Self::Bins { .. } => x.round(),
         }
     }
 }
@@ -119,6 +119,6 @@ mod tests {
                 .half_vector([-99.0, 0.0])
                 .is_none()
         );
-        assert_eq!(Chart::Bins { bins: 3 }.snap(1.2), 1.25);
+        assert_eq!(Chart::Bins { bins: 3 }.snap(1.2), 1.0);
     }
 }
