@@ -100,8 +100,7 @@ fn sum(target: &Target<'_>, place: &Place<'_>, nodes: &[Node], recorder: &mut Re
         half_vector: None,
     };
     let bound = target.bound();
-    // Errors below the floor add up over the window, which is some forty peaks wide.
-    let allowed = bound.relative * (model + 50.0 * bound.floor);
+    let allowed = bound.relative * model;
     recorder.compare((energy - model).abs(), allowed, || what("energy"));
     if truth >= WHOLE {
         let lost = if variant.is_paper {

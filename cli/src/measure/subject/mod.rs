@@ -122,7 +122,7 @@ fn bound_of_weights(filter: Filter, tolerance: Option<f64>) -> Bound {
             reason: "Gaussians end at 4.8 standard deviations, which leaves out 1e-5 of the weight".to_owned(),
         },
         (Filter::Gaussian, _) => Bound {
-            relative: 0.02,
+            relative: 6e-3,
             floor: 0.05,
             reason: "texels are weighed together within the tolerance: 0.6 % of the density on average, more at a \
                      single half vector"
