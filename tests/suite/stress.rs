@@ -1,173 +1,305 @@
-//! Stiff and extreme cases: needles and blunt lobes, footprints from a ten-thousandth of a texel to 64 tiles,
-//! slivers, far centres, awkward maps, half vectors at the rim. Each against the f64 oracle.
+//! `glintbake stress`: no method fails on the built-in maps, and whoever answers wrongly does.
 
-use glintbake_bake::normals::NormalMap;
-use glintbake_bake::oracle::flake_bins::{self as oracle, Prepared};
-use glintbake_format::model::{Footprint, HalfVector, Neighbourhood, Wrap};
-use glintbake_runtime::{Ndf, Package};
-use glintbake_samples::Kind;
-use glintbake_tests::fixtures::{Stream, flake_package, sample_map};
-use glintbake_tests::tolerances::{NDF, NDF_FLOOR};
-use std::f64::consts::PI;
+use glintbake_bake::{Recipe, bake};
+use glintbake_cli::measure::subject::{Patch, REGISTRY, Reference, Subject, Variant};
+use glintbake_cli::stress::maps::{NamedMap, built_in};
+use glintbake_cli::stress::{
+    CHECKS, Ground, Outcome, QUICK_ROUGHNESSES, Target, Verdict, on_maps, run_check, table,
+};
+use glintbake_format::model::{Filter, Footprint, HalfVector, Method};
+use glintbake_runtime::microfacet::Masking;
+use glintbake_runtime::{Facet, Instance, Ndf, Package, QueryError};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-fn maps() -> Vec<(&'static str, NormalMap)> {
-    let with = |width, height, wrap, normal: &dyn Fn(usize) -> [f32; 2]| {
-        let texels = (0..width as usize * height as usize).map(normal).collect();
-        NormalMap::new(width, height, wrap, texels)
-    };
-    vec![
-        ("constant", with(16, 16, Wrap::Repeat, &|_| [0.1, -0.2])),
-        ("one texel", with(1, 1, Wrap::Repeat, &|_| [0.3, 0.3])),
-        (
-            "one column",
-            with(1, 50, Wrap::Clamp, &|k| [0.0, k as f32 / 60.0]),
-        ),
-        ("one row", sample_map(Kind::Noise, 67, 1, 2, Wrap::Repeat)),
-        ("primes", sample_map(Kind::Flakes, 31, 17, 3, Wrap::Repeat)),
-        (
-            "white noise",
-            sample_map(Kind::Noise, 32, 32, 4, Wrap::Clamp),
-        ),
-        (
-            "steps",
-            with(24, 24, Wrap::Repeat, &|k| {
-                if k % 2 == 0 {
-                    [0.99, 0.0]
-                } else {
-                    [-0.99, 0.0]
-                }
-            }),
-        ),
-        (
-            "rim",
-            with(8, 8, Wrap::Repeat, &|k| {
-                if k % 3 == 0 { [1.0, 0.0] } else { [0.6, 0.8] }
-            }),
-        ),
-        // Normals on an 8-bit lattice, coarser than a bin of any roughness below 0.01.
-        (
-            "lattice",
-            with(32, 32, Wrap::Repeat, &|k| {
-                [
-                    ((k * 7) % 100) as f32 / 255.0 - 0.2,
-                    ((k * 13) % 90) as f32 / 255.0 - 0.2,
-                ]
-            }),
-        ),
-    ]
-}
-
-fn footprints(map: &NormalMap, stream: &mut Stream) -> Vec<Footprint> {
-    let size = [f64::from(map.width()), f64::from(map.height())];
-    let mut footprints = Vec::new();
-    for texels in [1e-4, 0.1, 3.0] {
-        footprints.push(stream.footprint(map, texels));
-    }
-    for tiles in [1.0, 7.3, 64.0] {
-        let angle = stream.between(0.0, PI);
-        footprints.push(Footprint {
-            centre: [stream.uniform(), stream.uniform()],
-            edge_1: [tiles * angle.cos(), tiles * angle.sin()],
-            edge_2: [-0.8 * tiles * angle.sin(), 0.8 * tiles * angle.cos()],
-        });
-    }
-    for anisotropy in [8.0, 1e3, 1e6] {
-        let angle = stream.between(0.0, PI);
-        let long = 20.0;
-        let short = long / anisotropy;
-        footprints.push(Footprint {
-            centre: [stream.uniform(), stream.uniform()],
-            edge_1: [long * angle.cos() / size[0], long * angle.sin() / size[1]],
-            edge_2: [
-                -short * angle.sin() / size[0],
-                short * angle.cos() / size[1],
-            ],
-        });
-    }
-    // No area; parallel edges; a million tiles away.
-    footprints.push(Footprint::square([0.37, 0.61], 0.0, 1, 1));
-    footprints.push(Footprint {
-        centre: [0.123, 0.456],
-        edge_1: [0.3, 0.2],
-        edge_2: [0.15, 0.1],
+#[test]
+fn no_method_fails_on_the_built_in_maps() {
+    let pieces = AtomicU64::new(0);
+    let outcomes = on_maps(&built_in(true), &QUICK_ROUGHNESSES, &|done, total| {
+        assert!(done <= total);
+        pieces.fetch_add(1, Ordering::Relaxed);
     });
-    let mut far = stream.footprint(map, 5.0);
-    far.centre = far.centre.map(|x| x + 1e6);
-    footprints.push(far);
-    footprints
-}
-
-fn half_vectors(
-    map: &NormalMap,
-    footprint: &Footprint,
-    alpha: f64,
-    stream: &mut Stream,
-) -> Vec<HalfVector> {
-    let mut vectors = vec![
-        HalfVector { s: 0.0, t: 0.0 },
-        HalfVector { s: 1.0, t: 0.0 },
-        HalfVector { s: -0.6, t: 0.8 },
-        HalfVector { s: 0.9, t: 0.9 },
-    ];
-    for spread in [0.0, alpha, 4.0 * alpha] {
-        vectors.push(stream.half_vector_near(map, footprint, spread));
-    }
-    vectors
-}
-
-#[test]
-fn every_stiff_and_extreme_case_matches_the_oracle() {
-    let mut lit = 0;
-    for alpha in [1e-4, 1e-3, 0.03, 0.3, 1.0] {
-        for (seed, (name, map)) in (1..).zip(maps()) {
-            let mut stream = Stream::new(seed);
-            let bytes = flake_package(&map, &[alpha]);
-            let package = Package::open(&bytes).unwrap();
-            let ndf = package.ndf(1).unwrap();
-            for footprint in footprints(&map, &mut stream) {
-                let setting = oracle::Setting::Binned(Neighbourhood::Bins45);
-                let prepared = Prepared::new(&map, &footprint, alpha, setting);
-                for h in half_vectors(&map, &footprint, alpha, &mut stream) {
-                    let expected = prepared.ndf(h);
-                    let got = ndf.eval(&footprint, h).unwrap();
-                    let floor = NDF_FLOOR / (PI * alpha * alpha);
-                    assert!(
-                        (got - expected).abs() <= NDF * expected.max(floor),
-                        "{name}, α = {alpha}, {footprint:?}, {h:?}: {got:e} instead of {expected:e}"
-                    );
-                    lit += u32::from(got > 0.0);
-                }
+    assert!(pieces.into_inner() > 0, "progress is told");
+    let remarks = table::remarks(&outcomes);
+    let failed = remarks.iter().filter(|line| line.starts_with("FAIL"));
+    assert_eq!(failed.count(), 0, "{remarks:#?}");
+    for subject in REGISTRY {
+        let method = subject.method().name();
+        for (check, _) in CHECKS {
+            for filter in [Filter::Box, Filter::Gaussian] {
+                let tried = outcomes.iter().any(|outcome| {
+                    outcome.method == method
+                        && outcome.check == *check
+                        && outcome.filter == Some(filter)
+                        && outcome.verdict != Verdict::Skipped
+                });
+                assert!(tried, "{check} of {method} under {}", filter.name());
             }
         }
     }
-    assert!(lit > 500, "only {lit} queries met a flake");
+    let widest = table::lines(&outcomes)
+        .iter()
+        .map(|line| line.chars().count())
+        .max();
+    assert!(widest.is_some_and(|columns| columns <= 100), "{widest:?}");
+}
+
+/// How answers are falsified.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Lie {
+    None,
+    NotANumber,
+    Negative,
+    Panic,
+    Damage,
+    /// One part in ten thousand.
+    SlightlyOff,
+    LostEnergy,
+    MovedSamples,
+    NeverNothing,
+    Jump,
+    PopAsItGrows,
+    SinglePrecision,
+    Inexchangeable,
+    AnswersNonsense,
+}
+
+/// What answers, but for a lie.
+struct Liar<'a> {
+    honest: &'a (dyn Ndf + Sync),
+    lie: Lie,
+    odd: AtomicBool,
+}
+
+impl Liar<'_> {
+    fn falsify(
+        &self,
+        footprint: &Footprint,
+        h: HalfVector,
+        honest: f64,
+    ) -> Result<f64, QueryError> {
+        let is_single = |x: f64| f64::from(x as f32) == x;
+        Ok(match self.lie {
+            Lie::NotANumber => f64::NAN,
+            Lie::Negative => -honest - 1e-300,
+            Lie::Panic => panic!("a lie"),
+            Lie::Damage => return Err(QueryError::NoSuchInstance(7)),
+            Lie::SlightlyOff => honest * 1.0001,
+            Lie::Jump if footprint.centre[0] >= 1.0 => honest * 1.1,
+            Lie::PopAsItGrows if footprint.edge_1[0] > 0.5 => honest * 1.1,
+            Lie::SinglePrecision if is_single(h.s) && is_single(h.t) => honest * 1.001,
+            _ => honest,
+        })
+    }
+}
+
+impl Ndf for Liar<'_> {
+    fn instance(&self) -> &Instance {
+        self.honest.instance()
+    }
+
+    fn masking(&self) -> Masking<'_> {
+        self.honest.masking()
+    }
+
+    fn facets(
+        &self,
+        footprint: &Footprint,
+        half_vector: HalfVector,
+        visit: &mut dyn FnMut(Facet),
+    ) -> Result<(), QueryError> {
+        let odd = self.lie == Lie::Inexchangeable && self.odd.fetch_xor(true, Ordering::Relaxed);
+        self.honest.facets(footprint, half_vector, &mut |facet| {
+            visit(Facet {
+                weight: if odd { 0.999 } else { 1.0 } * facet.weight,
+                ..facet
+            });
+        })
+    }
+
+    fn eval(&self, footprint: &Footprint, h: HalfVector) -> Result<f64, QueryError> {
+        match self.honest.eval(footprint, h) {
+            Err(_) if self.lie == Lie::AnswersNonsense => Ok(0.0),
+            honest => self.falsify(footprint, h, honest?),
+        }
+    }
+
+    fn sample(
+        &self,
+        footprint: &Footprint,
+        uniform: [f64; 4],
+    ) -> Result<Option<HalfVector>, QueryError> {
+        let drawn = self.honest.sample(footprint, uniform)?;
+        Ok(match self.lie {
+            Lie::MovedSamples => drawn.map(|h| HalfVector { s: 0.97 * h.s, ..h }),
+            Lie::NeverNothing => drawn.or(self.honest.sample(footprint, [0.1; 4])?),
+            _ => drawn,
+        })
+    }
+
+    fn pdf(&self, footprint: &Footprint, h: HalfVector) -> Result<f64, QueryError> {
+        let honest = self.honest.pdf(footprint, h)?;
+        match self.lie {
+            Lie::LostEnergy => Ok(0.99 * honest),
+            _ => self.falsify(footprint, h, honest),
+        }
+    }
+}
+
+fn map(name: &str) -> NamedMap {
+    let mut maps = built_in(true).into_iter();
+    maps.find(|map| map.name.starts_with(name)).expect(name)
+}
+
+/// What comes of every check of `subject` baked from `map`, its answers falsified by `lie`.
+fn outcomes_of(subject: &dyn Subject, map: &NamedMap, variant: &Variant, lie: Lie) -> Vec<Outcome> {
+    let alpha = 0.03;
+    let ground = Ground::new(map, Filter::Box);
+    let plan = bake(
+        &map.map,
+        &Recipe::new(vec![variant.recipe_for(alpha)]),
+        None,
+    );
+    let bytes = plan.expect("variants can be baked").to_bytes();
+    let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
+    let honest = variant
+        .ask(ndf, Filter::Box)
+        .expect("variants can be asked");
+    let liar = Liar {
+        honest: &honest,
+        lie,
+        odd: AtomicBool::new(false),
+    };
+    let target = Target {
+        subject,
+        variant,
+        roughness: subject.is_rough().then_some(alpha),
+        ground: &ground,
+        answers: &liar,
+    };
+    CHECKS
+        .iter()
+        .map(|&(name, check)| run_check(name, check, &target))
+        .collect()
+}
+
+fn failed(outcomes: &[Outcome]) -> Vec<&'static str> {
+    let failed = outcomes
+        .iter()
+        .filter(|outcome| outcome.verdict == Verdict::Fail);
+    failed.map(|outcome| outcome.check).collect()
 }
 
 #[test]
-fn samples_of_extreme_cases_are_directions_with_density() {
-    for alpha in [1e-4, 0.03, 1.0] {
-        for (seed, (name, map)) in (1..).zip(maps()) {
-            let mut stream = Stream::new(seed);
-            let bytes = flake_package(&map, &[alpha]);
-            let package = Package::open(&bytes).unwrap();
-            let ndf = package.ndf(1).unwrap();
-            let mut drawn = 0;
-            for footprint in footprints(&map, &mut stream) {
-                for _ in 0..20 {
-                    let uniform = std::array::from_fn(|_| stream.uniform());
-                    let Some(h) = ndf.sample(&footprint, uniform).unwrap() else {
-                        continue;
-                    };
-                    assert!(h.is_on_disk(), "{name} {alpha} {h:?}");
-                    let pdf = ndf.pdf(&footprint, h).unwrap();
-                    assert!(
-                        pdf > 0.0 && pdf.is_finite(),
-                        "{name} {alpha} {footprint:?}: {pdf}"
-                    );
-                    drawn += 1;
-                }
-            }
-            assert!(drawn > 0, "{name} {alpha}: no sample at all");
+fn every_lie_is_found_by_the_check_made_for_it() {
+    // Panics are part of it: their reports would drown the test's own.
+    std::panic::set_hook(Box::new(|_| {}));
+    for &subject in REGISTRY {
+        for (lie, check, name) in [
+            (Lie::NotANumber, "accuracy", "noise"),
+            (Lie::Negative, "accuracy", "noise"),
+            (Lie::Panic, "accuracy", "noise"),
+            (Lie::Damage, "precision", "noise"),
+            (Lie::SlightlyOff, "accuracy", "noise"),
+            (Lie::LostEnergy, "energy", "noise"),
+            (Lie::MovedSamples, "sampling", "noise"),
+            (Lie::Jump, "continuity", "noise"),
+            (Lie::PopAsItGrows, "continuity", "waves"),
+            (Lie::SinglePrecision, "precision", "noise"),
+            (Lie::Inexchangeable, "reciprocity", "noise"),
+            (Lie::AnswersNonsense, "refusals", "noise"),
+        ] {
+            let variant = &subject.variants(Filter::Box)[0];
+            let outcomes = outcomes_of(subject, &map(name), variant, lie);
+            let what = format!("{} {lie:?}: {outcomes:#?}", subject.method().name());
+            assert!(failed(&outcomes).contains(&check), "{what}");
+            let of_check = outcomes.iter().find(|outcome| outcome.check == check);
+            let faults = of_check.expect("every check has an outcome").faults;
+            let counted = match lie {
+                Lie::NotANumber => faults.not_finite,
+                Lie::Negative => faults.negative,
+                Lie::Panic => faults.panics,
+                Lie::Damage | Lie::AnswersNonsense => faults.errors,
+                _ => u64::from(faults.count() == 0),
+            };
+            assert!(counted > 0, "{what}");
         }
     }
+    let _ = std::panic::take_hook();
+}
+
+#[test]
+fn who_does_not_lie_is_not_found() {
+    for &subject in REGISTRY {
+        let variant = &subject.variants(Filter::Box)[0];
+        let outcomes = outcomes_of(subject, &map("noise"), variant, Lie::None);
+        assert_eq!(failed(&outcomes), [""; 0], "{outcomes:#?}");
+    }
+}
+
+#[test]
+fn a_sampler_that_hides_what_a_setting_loses_is_found() {
+    let lossy = REGISTRY.iter().flat_map(|&subject| {
+        let variants = subject.variants(Filter::Box).into_iter();
+        variants.map(move |variant| (subject, variant))
+    });
+    let mut seen = 0;
+    for (subject, variant) in lossy.filter(|(_, variant)| variant.is_paper) {
+        let outcomes = outcomes_of(subject, &map("noise"), &variant, Lie::NeverNothing);
+        assert!(failed(&outcomes).contains(&"sampling"), "{outcomes:#?}");
+        seen += 1;
+    }
+    assert!(seen > 0, "no setting of a paper is lossy");
+}
+
+/// A method whose model is a bit greater than its answers.
+struct Misjudged(&'static dyn Subject);
+
+struct Greater(Box<dyn Reference>);
+
+impl Reference for Greater {
+    fn ndf(&self, h: HalfVector) -> f64 {
+        1.0001 * self.0.ndf(h)
+    }
+
+    fn pdf(&self, h: HalfVector) -> f64 {
+        1.0001 * self.0.pdf(h)
+    }
+
+    fn draw(&self, patch: &Patch<'_>, uniform: [f64; 4]) -> Option<HalfVector> {
+        self.0.draw(patch, uniform)
+    }
+}
+
+impl Subject for Misjudged {
+    fn method(&self) -> Method {
+        self.0.method()
+    }
+
+    fn is_rough(&self) -> bool {
+        self.0.is_rough()
+    }
+
+    fn variants(&self, filter: Filter) -> Vec<Variant> {
+        self.0.variants(filter)
+    }
+
+    fn model(&self, variant: &Variant, patch: &Patch<'_>, roughness: f64) -> Box<dyn Reference> {
+        Box::new(Greater(self.0.model(variant, patch, roughness)))
+    }
+
+    fn truth(&self, variant: &Variant, patch: &Patch<'_>, roughness: f64) -> Box<dyn Reference> {
+        self.0.truth(variant, patch, roughness)
+    }
+}
+
+#[test]
+fn answers_are_held_against_the_model_of_the_method() {
+    let subject = REGISTRY[0];
+    let variant = &subject.variants(Filter::Box)[0];
+    let outcomes = outcomes_of(&Misjudged(subject), &map("noise"), variant, Lie::None);
+    let failed = failed(&outcomes);
+    assert!(
+        failed.contains(&"accuracy") && failed.contains(&"energy"),
+        "{outcomes:#?}"
+    );
 }

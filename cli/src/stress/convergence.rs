@@ -117,3 +117,28 @@ fn queries<'m>(map: &'m NamedMap, filter: Filter, roughness: Option<f64>) -> Vec
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::subject::REGISTRY;
+    use crate::stress::{Verdict, maps};
+
+    #[test]
+    fn a_ladder_that_leads_away_from_the_truth_fails() {
+        let maps = maps::built_in(true);
+        let map = maps.last().expect("a map of waves");
+        let mut ladders = 0;
+        for &subject in REGISTRY {
+            for mut ladder in subject.ladders(Filter::Gaussian) {
+                let alpha = subject.is_rough().then_some(0.03);
+                ladder.rungs.reverse();
+                let outcome = check(subject, &ladder, Filter::Gaussian, map, alpha);
+                assert_eq!(outcome.verdict, Verdict::Fail, "{outcome:?}");
+                assert!(outcome.error > outcome.bound && outcome.faults.count() == 0);
+                ladders += 1;
+            }
+        }
+        assert!(ladders > REGISTRY.len(), "only {ladders} ladders");
+    }
+}

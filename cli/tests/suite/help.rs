@@ -3,8 +3,8 @@
 use crate::workshop::Workshop;
 use std::collections::BTreeSet;
 
-const VERBS: [&str; 7] = [
-    "sample", "bake", "inspect", "verify", "query", "picture", "report",
+const VERBS: [&str; 8] = [
+    "sample", "bake", "inspect", "verify", "query", "picture", "report", "stress",
 ];
 
 #[test]

@@ -22,5 +22,6 @@ mod query;
 mod report;
 mod sample;
 mod streams;
+mod stress;
 mod warnings;
 mod workshop;
