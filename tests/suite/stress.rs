@@ -283,6 +283,10 @@ impl Subject for Misjudged {
         self.0.variants(filter)
     }
 
+    fn is_truth(&self, variant: &Variant) -> bool {
+        self.0.is_truth(variant)
+    }
+
     fn model(&self, variant: &Variant, patch: &Patch<'_>, roughness: f64) -> Box<dyn Reference> {
         Box::new(Greater(self.0.model(variant, patch, roughness)))
     }

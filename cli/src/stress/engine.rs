@@ -81,9 +81,19 @@ fn on_instance(
     instance: &Instance,
 ) -> Result<Vec<Outcome>, QueryError> {
     let subject = find(instance.method);
+    let skip = |check, reason| {
+        let mut outcome = Outcome::skipped(check, reason).of(subject, instance.roughness);
+        name.clone_into(&mut outcome.map);
+        outcome
+    };
+    let Some(map) = rebuild::normal_map(package.container(), instance)? else {
+        let reason = "the package holds no texel's normal to hold answers to; give the map instead of the package";
+        let checks = CHECKS.iter().map(|&(check, _)| skip(check, reason));
+        return Ok(checks.collect());
+    };
     let map = NamedMap {
         name: name.to_owned(),
-        map: rebuild::normal_map(package.container(), instance)?,
+        map,
     };
     let ndf = package.ndf(instance.number)?;
     let grounds = FILTERS.map(|filter| Ground::new(&map, filter));
@@ -100,9 +110,7 @@ fn on_instance(
         })
         .collect();
     let reason = "each setting is baked for it; give the map instead of the package";
-    let mut ladders = Outcome::skipped("convergence", reason).of(subject, instance.roughness);
-    ladders.map.clone_from(&map.name);
-    outcomes.push(ladders);
+    outcomes.push(skip("convergence", reason));
     Ok(outcomes)
 }
 

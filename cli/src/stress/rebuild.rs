@@ -2,7 +2,8 @@
 
 use glintbake_bake::normals::NormalMap;
 use glintbake_format::model::{BinGrid, HalfVector};
-use glintbake_format::view::{BinTables, ExactNormals};
+use glintbake_format::records::Structure;
+use glintbake_format::view::{BinTables, ExactNormals, Pyramid};
 use glintbake_format::{Container, Fault, Finding};
 use glintbake_runtime::Instance;
 
@@ -14,11 +15,47 @@ const INSETS: [f64; 4] = [0.25, 1.0 / 64.0, 1.0 / 1024.0, 1.0 / 65_536.0];
 ///
 /// With exact normals, each texel's own, to 2^-16 of a bin and f32. Without, a normal of each texel's bin: its middle, or the
 /// point nearest to the pole where the middle is beyond the rim. Its bin is the texel's bin again, so that a model over
-/// bins is that of the original map; a model of each texel's own normal is not.
+/// bins is that of the original map; a model of each texel's own normal is not. Of a pyramid the means of its level 0, to
+/// what they are stored in; `None` if it begins above that, for then it holds no texel's normal.
 ///
 /// # Errors
 /// If sections are missing or damaged, or a bin holds no direction.
-pub fn normal_map(container: &Container<'_>, instance: &Instance) -> Result<NormalMap, Finding> {
+pub fn normal_map(
+    container: &Container<'_>,
+    instance: &Instance,
+) -> Result<Option<NormalMap>, Finding> {
+    let texels = match instance.structure {
+        Structure::Bins(bins) => Some(from_bins(container, instance, bins.grid)?),
+        Structure::Pyramid { finest_level: 0 } => Some(from_means(container, instance)?),
+        Structure::Pyramid { .. } => None,
+    };
+    let Instance {
+        width,
+        height,
+        wrap,
+        ..
+    } = *instance;
+    Ok(texels.map(|texels| NormalMap::new(width, height, wrap, texels)))
+}
+
+/// The means of level 0.
+fn from_means(container: &Container<'_>, instance: &Instance) -> Result<Vec<[f32; 2]>, Finding> {
+    let level = Pyramid::of_map(container, instance)?.level(0);
+    let mut texels = Vec::with_capacity(instance.texel_count() as usize);
+    for row in 0..instance.height {
+        for column in 0..instance.width {
+            texels.push(level.cell(column, row)?.mean.map(|mean| mean as f32));
+        }
+    }
+    Ok(texels)
+}
+
+/// Exact normals, or normals of bins.
+fn from_bins(
+    container: &Container<'_>,
+    instance: &Instance,
+    grid: BinGrid,
+) -> Result<Vec<[f32; 2]>, Finding> {
     let tables = BinTables::open(container, instance)?;
     let exact = exact_normals(container, instance)?;
     let mut texels = Vec::with_capacity(instance.texel_count() as usize);
@@ -30,17 +67,12 @@ pub fn normal_map(container: &Container<'_>, instance: &Instance) -> Result<Norm
                     let normal = exact.normal(column, row)?;
                     Some([normal.s as f32, normal.t as f32])
                 }
-                None => normal_of_bin(instance.grid, bin),
+                None => normal_of_bin(grid, bin),
             };
             texels.push(texel.ok_or(Finding::new(Fault::KeyRange).at(u64::from(bin)))?);
         }
     }
-    Ok(NormalMap::new(
-        instance.width,
-        instance.height,
-        instance.wrap,
-        texels,
-    ))
+    Ok(texels)
 }
 
 /// The exact normals that `instance` itself, or another of its map, stores.

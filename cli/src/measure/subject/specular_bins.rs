@@ -47,7 +47,9 @@ impl Subject for SpecularBins {
     }
 
     fn variants_of(&self, instance: &Instance, filter: Filter) -> Vec<Variant> {
-        let bins = instance.grid.resolution();
+        let bins = instance
+            .bins()
+            .map_or(DEFAULT_BINS, |bins| bins.grid.resolution());
         let mut variants = vec![self.variant(bins, None)];
         if filter == Filter::Gaussian {
             variants.push(self.variant(bins, Some(0.0)));
