@@ -151,7 +151,7 @@ mod tests {
         for _ in 0..10_000 {
             let x = numbers.uniform();
             even[(100.0 * x) as usize] += 1.0;
-            uneven[(100.0 * x * (0.9 + 0.1 * x)) as usize] += 1.0;
+            uneven[(100.0 * x * (0.6 + 0.4 * x)) as usize] += 1.0;
         }
         assert!(chi_square_deviate(&even, &masses).abs() < 3.0);
         assert!(chi_square_deviate(&uneven, &masses) > DEVIATE);

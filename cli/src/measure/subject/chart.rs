@@ -116,7 +116,7 @@ mod tests {
         }
         assert!(
             Chart::slopes(centre, 1.0)
-                .half_vector([-99.0, 0.0])
+                .half_vector([99.0, 0.0])
                 .is_none()
         );
         assert_eq!(Chart::Bins { bins: 3 }.snap(1.2), 1.0);
