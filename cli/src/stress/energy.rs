@@ -10,10 +10,6 @@ use glintbake_bake::oracle::specular_bins::normal_at;
 use glintbake_format::model::HalfVector;
 use std::f64::consts::TAU;
 
-/// Energy that a model may lose: what 45 bins lose below α = 0.2 is a tenth of it.
-const LOST: f64 = 1e-3;
-/// What settings of a paper may lose, which are kept as printed: 21 bins lose 1 % of a needle, and 9.6 % at α = 1.
-const LOST_BY_PAPER: f64 = 0.1;
 /// Energy of the truth below which a lobe crosses the horizon.
 const WHOLE: f64 = 0.9999;
 /// Units of the chart to each side of a lobe, and nodes in a unit: midpoints are exact to 1e-15 for a Gaussian there.
@@ -102,12 +98,9 @@ fn sum(target: &Target<'_>, place: &Place<'_>, nodes: &[Node], recorder: &mut Re
     let bound = target.bound();
     let allowed = bound.relative * model;
     recorder.compare((energy - model).abs(), allowed, || what("energy"));
-    if truth >= WHOLE {
-        let lost = if variant.is_paper {
-            LOST_BY_PAPER
-        } else {
-            LOST
-        };
+    if let Some(lost) = subject.loss(variant)
+        && truth >= WHOLE
+    {
         // The truth's energy is 1, summed over the same nodes.
         recorder.compare((energy - truth).abs(), lost + allowed, || {
             what("energy lost")

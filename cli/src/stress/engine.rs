@@ -5,7 +5,7 @@ use super::outcome::Outcome;
 use super::target::{Ground, Target};
 use super::{CHECKS, FILTERS, convergence, rebuild, refusals, run_check};
 use crate::measure::subject::{REGISTRY, Subject, Variant, find};
-use glintbake_bake::{MethodRecipe, Recipe, bake};
+use glintbake_bake::{BakeError, MethodRecipe, Recipe, bake};
 use glintbake_runtime::{Instance, Package, QueryError, SurfaceNdf};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -116,30 +116,30 @@ fn on_instance(
 
 /// Every check of every setting of `subject`, baked from the map of `ground`.
 fn on_ground(subject: &dyn Subject, ground: &Ground<'_>, roughness: Option<f64>) -> Vec<Outcome> {
-    let mut baked: Vec<(MethodRecipe, Result<Vec<u8>, String>)> = Vec::new();
+    let mut baked: Vec<(MethodRecipe, Result<Vec<u8>, BakeError>)> = Vec::new();
     let mut outcomes = Vec::new();
     for variant in subject.variants(ground.filter) {
         let recipe = variant.recipe_for(roughness.unwrap_or_default());
         let known = baked.iter().position(|(other, _)| *other == recipe);
         let place = known.unwrap_or_else(|| {
             let plan = bake(&ground.map.map, &Recipe::new(vec![recipe.clone()]), None);
-            let bytes = plan.map(|plan| plan.to_bytes());
-            baked.push((recipe, bytes.map_err(|error| error.to_string())));
+            baked.push((recipe, plan.map(|plan| plan.to_bytes())));
             baked.len() - 1
         });
         let ndf = match &baked[place].1 {
             Ok(bytes) => Package::open(bytes)
                 .map_err(QueryError::from)
                 .and_then(|package| package.ndf(1))
-                .map_err(|error| error.to_string()),
-            Err(error) => Err(error.clone()),
+                .map_err(|error| Outcome::failed("accuracy", error.to_string())),
+            // Such as a level that a map this small does not have.
+            Err(error @ BakeError::Option { .. }) => {
+                Err(Outcome::refused("refusals", error.to_string()))
+            }
+            Err(error) => Err(Outcome::failed("accuracy", error.to_string())),
         };
         match ndf {
             Ok(ndf) => outcomes.extend(answer(subject, &variant, roughness, ground, ndf)),
-            Err(error) => {
-                let failed = Outcome::failed("accuracy", format!("it cannot be baked: {error}"));
-                outcomes.push(named(failed, subject, &variant, roughness, ground));
-            }
+            Err(outcome) => outcomes.push(named(outcome, subject, &variant, roughness, ground)),
         }
     }
     outcomes

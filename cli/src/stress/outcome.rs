@@ -104,6 +104,14 @@ impl Outcome {
         Recorder::new(check, reason).outcome
     }
 
+    /// What `check` was refused, as it must be, for `reason`.
+    pub fn refused(check: &'static str, reason: impl Into<String>) -> Self {
+        Self {
+            verdict: Verdict::Refused,
+            ..Self::skipped(check, reason)
+        }
+    }
+
     /// The failure of `check` as a whole, for `complaint`.
     pub fn failed(check: &'static str, complaint: impl Into<String>) -> Self {
         Self {

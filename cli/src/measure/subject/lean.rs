@@ -44,6 +44,10 @@ impl Subject for Lean {
         bound_of_moments(intrinsic_from_beckmann(roughness), roughness)
     }
 
+    fn loss(&self, _: &Variant) -> Option<f64> {
+        None
+    }
+
     fn variants_of(&self, instance: &Instance, _: Filter) -> Vec<Variant> {
         let level = instance.pyramid().map_or(0, |layout| layout.finest());
         vec![self.variant(level)]
