@@ -11,7 +11,7 @@ use glintbake_runtime::QueryError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Failure {
-    /// 1: `verify` or `stress` found faults; they are on standard output.
+    /// 1: `verify` or `stress` found faults, or `report` something worse than `--fail-on` allows.
     Findings = 1,
     /// 2: an option or its value is wrong.
     Usage = 2,
@@ -54,7 +54,7 @@ impl Failure {
 pub const EXIT_CODES_HELP: &str = "\
 Exit codes:
    0  success
-   1  verify or stress found faults
+   1  verify or stress found faults, or report something worse than --fail-on allows
    2  an option or its value is wrong
    3  an input file cannot be read, or is not of a readable kind
    4  an input was read, but its texels or rows are not what they must be

@@ -110,3 +110,19 @@ fn report(console: &Console, name: &str, outcomes: &[Outcome]) -> Result<(), Com
         )),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_failure_among_passes_ends_with_the_exit_code_for_findings() {
+        let console = Console::new(true, false);
+        let skipped = || Outcome::skipped("energy", "it is a test");
+        assert!(report(&console, "a map", &[skipped()]).is_ok());
+        let outcomes = [skipped(), Outcome::failed("energy", "half of it went")];
+        let error = report(&console, "a map", &outcomes).expect_err("one of them failed");
+        assert_eq!(error.failure, Failure::Findings);
+        assert!(error.message.contains("1 of 2 checks"), "{}", error.message);
+    }
+}

@@ -209,9 +209,10 @@ impl<'m> Field<'m> {
         ));
         self.scan = Some(scan);
         let normals = size_of_val(self.map.texels()) as u64;
-        let points = baseline("point-sampling", "");
-        self.packages
-            .push(self.package(points, None, normals, 0.0, Some(0)));
+        for points in POINTS {
+            let sampling = self.package(point_sampling(points), None, normals, 0.0, Some(0));
+            self.packages.push(sampling);
+        }
         if !self.kernels(plan).contains(&Kernel::Beckmann) {
             return;
         }
@@ -313,7 +314,7 @@ impl<'m> Field<'m> {
         filter: Filter,
         entrants: &mut Vec<Entrant<'a>>,
     ) {
-        let mut add = |contestant, answers| {
+        let mut add = |contestant, answers: Box<dyn Answers + 'a>| {
             entrants.push(Entrant {
                 contestant,
                 kernel,
@@ -336,15 +337,7 @@ impl<'m> Field<'m> {
             let eval = move |footprint: &Footprint, half_vector| {
                 sampling.eval(footprint, half_vector, filter, kernel, roughness)
             };
-            let name = if points == 1 {
-                "1 point".to_owned()
-            } else {
-                format!("{points} points")
-            };
-            add(
-                baseline("point-sampling", &name),
-                Box::new(Baseline(eval)) as Box<dyn Answers>,
-            );
+            add(point_sampling(points), Box::new(Baseline(eval)));
         }
         let forest = self.forests.iter().find(|(baked, _)| *baked == roughness);
         if let (Kernel::Beckmann, Filter::Box, Some((_, forest))) = (kernel, filter, forest) {
@@ -398,6 +391,14 @@ fn paper_forest() -> Contestant {
         method: "paper-forest".to_owned(),
         variant: "21 bins".to_owned(),
     }
+}
+
+fn point_sampling(points: u32) -> Contestant {
+    let name = match points {
+        1 => "1 point".to_owned(),
+        _ => format!("{points} points"),
+    };
+    baseline("point-sampling", &name)
 }
 
 fn baseline(method: &str, variant: &str) -> Contestant {

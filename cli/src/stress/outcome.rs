@@ -84,7 +84,9 @@ pub struct Outcome {
     pub error: f64,
     /// Its bound.
     pub bound: f64,
-    /// Where that was.
+    /// The largest error of all, whatever its bound.
+    pub largest: f64,
+    /// Where the error nearest to its bound was.
     pub at: Option<At>,
     /// The least and the greatest energy, where that was summed.
     pub energy: Option<[f64; 2]>,
@@ -143,6 +145,7 @@ impl Outcome {
     pub fn with(mut self, other: &Self) -> Self {
         self.tried += other.tried;
         self.refused += other.refused;
+        self.largest = self.largest.max(other.largest);
         self.faults.not_finite += other.faults.not_finite;
         self.faults.negative += other.faults.negative;
         self.faults.panics += other.faults.panics;
@@ -194,6 +197,7 @@ impl Recorder {
                 refused: 0,
                 error: 0.0,
                 bound: 0.0,
+                largest: 0.0,
                 at: None,
                 energy: None,
                 faults: Faults::default(),
@@ -270,6 +274,7 @@ impl Recorder {
     pub fn compare(&mut self, error: f64, bound: f64, at: impl FnOnce() -> At) {
         // NaN counts as beyond.
         let error = if error.is_nan() { f64::INFINITY } else { error };
+        self.outcome.largest = self.outcome.largest.max(error);
         if self.outcome.at.is_none() || ratio(error, bound) > self.outcome.ratio() {
             self.outcome.error = error;
             self.outcome.bound = bound;

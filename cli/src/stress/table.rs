@@ -35,7 +35,24 @@ pub fn lines(outcomes: &[Outcome]) -> Vec<String> {
             outcome.verdict.name()
         ));
     }
+    lines.push(String::new());
+    lines.extend(largest_jumps(outcomes));
     lines
+}
+
+/// A sentence for each method: how much a step of a footprint changes its density at most.
+fn largest_jumps(outcomes: &[Outcome]) -> impl Iterator<Item = String> {
+    let slides = merged(outcomes, false).into_iter();
+    slides
+        .filter(|outcome| outcome.check == "continuity" && outcome.at.is_some())
+        .map(|outcome| {
+            format!(
+                "largest jump of {} under {} footprints: {:.1e} of the peak",
+                outcome.method,
+                outcome.filter.map_or("-", |filter| filter.name()),
+                outcome.largest
+            )
+        })
 }
 
 /// What failed and what was skipped, a sentence each: where, how far off, and the bound's reason.
@@ -198,6 +215,7 @@ fn case(outcome: &Outcome) -> Value {
             "not-finite": outcome.faults.not_finite,
             "panics": outcome.faults.panics,
         },
+        "largest-error": finite(outcome.largest),
         "filter": outcome.filter.map(|filter| filter.name()),
         "map": outcome.map,
         "method": outcome.method,
