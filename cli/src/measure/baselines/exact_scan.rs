@@ -3,7 +3,7 @@
 //! What a renderer would write that has memory for the normals and nothing else: three planes of floats, rows under the
 //! footprint eight texels at a time, texels that no light can reach skipped eight at a time. Texels on the outline of a
 //! box count by their exact area; under a Gaussian texels count by the value of it and a texel convolved at their middle,
-//! or by an average of [`PARTS`]² values where it is narrower than two texels. Compiled for whatever vectors the target has.
+//! or by an average of 8 × 8 values where it is narrower than two texels. Compiled for whatever vectors the target has.
 
 use super::parallelogram::{Parallelogram, Relation};
 use glintbake_bake::normals::NormalMap;
