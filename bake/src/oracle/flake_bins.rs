@@ -219,16 +219,20 @@ pub fn bin_of_normal([s, t]: [f64; 2], alpha: f64) -> ([f64; 2], (u32, u32)) {
     ([s, t], bin)
 }
 
-/// Whether `bin` is in `neighbourhood` of the bin of `h`: a half vector that a flake at the centre of `bin` sends out
-/// counts in eq. 15 only if it is.
+/// Whether `bin` is in `neighbourhood` of the bin `centre`: what a flake at the centre of `bin` sends out counts in eq. 15 only
+/// for half vectors whose bin is such a `centre`.
 pub fn neighbourhood_holds(
-    h: HalfVector,
+    centre: (u32, u32),
     bin: (u32, u32),
-    alpha: f64,
     neighbourhood: Neighbourhood,
 ) -> bool {
-    let side = resolution(alpha);
-    neighbours(bin_of(h.s, h.t, side), side, neighbourhood).any(|other| other == bin)
+    let reach = match neighbourhood {
+        Neighbourhood::Bins45 => 3,
+        Neighbourhood::Bins21 => 2,
+    };
+    let (dx, dy) = (bin.0.abs_diff(centre.0), bin.1.abs_diff(centre.1));
+    // A square without its corners.
+    dx <= reach && dy <= reach && dx + dy < 2 * reach
 }
 
 /// The bins of the grid in the square around `centre`, without its corners: 7 × 7 or 5 × 5.

@@ -48,8 +48,8 @@ impl Effort {
     pub const FULL: Self = Self {
         queries: 256,
         footprints: 64,
-        texels: 4e6,
-        visits: 4e7,
+        texels: 2e6,
+        visits: 1e7,
         seconds: 0.008,
         repetitions: 11,
         bakes: 3,

@@ -152,6 +152,7 @@ struct Densities {
 
 fn densities(texels: &[Texel], h: HalfVector, alpha: f64) -> Densities {
     let direction = h.direction();
+    let (_, bin) = bin_of_normal([h.s, h.t], alpha);
     let mut truth = 0.0;
     let mut wrong = [0.0; 6];
     // Lobes widen towards the rim, where the disk is foreshortened; blunt ones reach everywhere.
@@ -163,10 +164,8 @@ fn densities(texels: &[Texel], h: HalfVector, alpha: f64) -> Densities {
         }
         let own = beckmann(direction, texel.normal.direction(), alpha);
         let binned = beckmann(direction, texel.centre.direction(), alpha);
-        let within = |neighbourhood| {
-            let holds = neighbourhood_holds(h, texel.bin, alpha, neighbourhood);
-            f64::from(u8::from(holds))
-        };
+        let within =
+            |neighbourhood| f64::from(u8::from(neighbourhood_holds(bin, texel.bin, neighbourhood)));
         let (in_45, in_21) = (within(Neighbourhood::Bins45), within(Neighbourhood::Bins21));
         truth += texel.weight * own;
         let terms = [

@@ -2,7 +2,8 @@
 
 use super::super::direction::{direction, dot};
 use super::super::flake_bins::{
-    Prepared, Setting, bin_centre, bin_of, bin_weights, ndf, neighbours, pdf, resolution,
+    Prepared, Setting, bin_centre, bin_of, bin_weights, ndf, neighbourhood_holds, neighbours, pdf,
+    resolution,
 };
 use super::{checked_weights, in_texels, varied_map};
 use crate::normals::NormalMap;
@@ -258,4 +259,18 @@ fn binned_and_exact_densities_agree_for_normals_at_bin_centres() {
         }
     }
     assert!(largest > 50.0, "the picture must hold something: {largest}");
+}
+
+#[test]
+fn a_neighbourhood_holds_its_neighbours_and_no_other_bin() {
+    let side = resolution(0.3);
+    for neighbourhood in [Neighbourhood::Bins21, Neighbourhood::Bins45] {
+        for centre in [(0, 0), (1, side - 1), (side / 2, side / 2)] {
+            let near: BTreeSet<_> = neighbours(centre, side, neighbourhood).collect();
+            for bin in (0..side).flat_map(|row| (0..side).map(move |column| (column, row))) {
+                let holds = neighbourhood_holds(centre, bin, neighbourhood);
+                assert_eq!(holds, near.contains(&bin), "{centre:?} {bin:?}");
+            }
+        }
+    }
 }

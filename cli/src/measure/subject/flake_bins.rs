@@ -179,8 +179,8 @@ impl Reference for Flakes {
         match neighbourhood {
             // The model looks for bins around the half vector's own, so what is drawn from beyond is lost.
             Some((bin, neighbourhood)) => {
-                oracle::neighbourhood_holds(half_vector, bin, self.alpha, neighbourhood)
-                    .then_some(half_vector)
+                let (_, centre) = oracle::bin_of_normal([half_vector.s, half_vector.t], self.alpha);
+                oracle::neighbourhood_holds(centre, bin, neighbourhood).then_some(half_vector)
             }
             None => Some(half_vector),
         }
