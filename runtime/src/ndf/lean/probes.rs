@@ -207,10 +207,11 @@ mod tests {
                 let kappa = if filter == Filter::Box { 12.0 } else { 4.0 };
                 let wanted = short * short * ratio * ratio / kappa;
                 let got = spread + width * width / 12.0;
-                // The top ends the pyramid before the longest of these do.
+                // Outer probes that stand for less are as wide as the rest: 14 % too much spread at most, with three probes
+                // over 1.45 widths. The top ends the pyramid before the longest of these do.
                 if level < 12.0 {
                     assert!(
-                        (got / wanted - 1.0).abs() < 0.12,
+                        (got / wanted - 1.0).abs() < 0.145,
                         "{filter:?} {ratio}: {got} {wanted}"
                     );
                 }
