@@ -51,7 +51,7 @@ enum Lie {
     Negative,
     Panic,
     Damage,
-    /// One part in ten thousand.
+    /// By four times what the method states.
     SlightlyOff,
     LostEnergy,
     MovedSamples,
@@ -67,6 +67,8 @@ enum Lie {
 struct Liar<'a> {
     honest: &'a (dyn Ndf + Sync),
     lie: Lie,
+    /// Slightly, as a share.
+    slightly: f64,
     odd: AtomicBool,
 }
 
@@ -83,10 +85,12 @@ impl Liar<'_> {
             Lie::Negative => -honest - 1e-300,
             Lie::Panic => panic!("a lie"),
             Lie::Damage => return Err(QueryError::NoSuchInstance(7)),
-            Lie::SlightlyOff => honest * 1.0001,
+            Lie::SlightlyOff => honest * (1.0 + self.slightly),
             Lie::Jump if footprint.centre[0] >= 1.0 => honest * 1.1,
             Lie::PopAsItGrows if footprint.edge_1[0] > 0.5 => honest * 1.1,
-            Lie::SinglePrecision if is_single(h.s) && is_single(h.t) => honest * 1.001,
+            Lie::SinglePrecision if is_single(h.s) && is_single(h.t) => {
+                honest * (1.0 + self.slightly)
+            }
             _ => honest,
         })
     }
@@ -167,6 +171,10 @@ fn outcomes_of(subject: &dyn Subject, map: &NamedMap, variant: &Variant, lie: Li
     let liar = Liar {
         honest: &honest,
         lie,
+        slightly: 4.0
+            * subject
+                .bound(variant, Filter::Box, &map.map, alpha)
+                .relative,
         odd: AtomicBool::new(false),
     };
     let target = Target {
