@@ -137,8 +137,25 @@ impl<'m> Field<'m> {
                 }
             }
         }
-        if map.wrap() == Wrap::Repeat && !field.kernels(plan).is_empty() {
-            field.build_baselines(plan);
+        if field.kernels(plan).is_empty() {
+            return Ok(field);
+        }
+        if map.wrap() == Wrap::Repeat {
+            field.build_scan();
+            field.build_forests(plan);
+        } else {
+            field.skipped.extend(
+                [baseline("exact-scan", ""), paper_forest()].map(|contestant| Skipped {
+                    contestant,
+                    cell: None,
+                    reason: "it is for maps that repeat".to_owned(),
+                }),
+            );
+        }
+        let normals = size_of_val(map.texels()) as u64;
+        for points in POINTS {
+            let sampling = field.package(point_sampling(points), None, normals, 0.0, Some(0));
+            field.packages.push(sampling);
         }
         Ok(field)
     }
@@ -194,7 +211,7 @@ impl<'m> Field<'m> {
         Ok(())
     }
 
-    fn build_baselines(&mut self, plan: &Plan) {
+    fn build_scan(&mut self) {
         let watch = PeakMemory::watch();
         let start = Instant::now();
         let scan = ExactScan::new(self.map);
@@ -208,11 +225,9 @@ impl<'m> Field<'m> {
             watch.added(),
         ));
         self.scan = Some(scan);
-        let normals = size_of_val(self.map.texels()) as u64;
-        for points in POINTS {
-            let sampling = self.package(point_sampling(points), None, normals, 0.0, Some(0));
-            self.packages.push(sampling);
-        }
+    }
+
+    fn build_forests(&mut self, plan: &Plan) {
         if !self.kernels(plan).contains(&Kernel::Beckmann) {
             return;
         }

@@ -106,3 +106,72 @@ fn what_cannot_be_measured_is_refused_before_anything_is() {
     );
     refuses(7, &["map.png", "-o", "no/such/folder"], &["folder"]);
 }
+
+#[test]
+fn what_is_only_for_maps_that_repeat_is_said_to_be_left_out() {
+    let workshop = Workshop::with_map();
+    let said = workshop.succeeds(
+        &[
+            &["report", "map.png", "-o", "out", "--wrap=clamp"],
+            &LITTLE[..],
+        ]
+        .concat(),
+    );
+    assert!(
+        said.contains("not measured: exact-scan: it is for maps that repeat"),
+        "{said}"
+    );
+    let report = report(&workshop, "out");
+    let skipped = report["maps"][0]["skipped"].as_array().expect("a list");
+    assert_eq!(skipped.len(), 2, "{skipped:?}");
+}
+
+#[test]
+fn a_report_is_compared_with_an_older_one_and_can_fail_for_it() {
+    let workshop = Workshop::with_map();
+    let with = |extra: &[&str]| {
+        let arguments = [&["report", "map.png", "-o", "out"], &LITTLE[..], extra].concat();
+        workshop.run(&arguments)
+    };
+    assert_eq!(with(&[]).code, Some(0));
+    fs::copy(workshop.path("out/report.json"), workshop.path("old.json")).expect("a copy");
+    let same = with(&["--compare=old.json", "--fail-on=error:1%,bytes:1%"]);
+    assert_eq!(same.code, Some(0), "{same:#?}");
+    // As if answers had been better once.
+    let mut old = report(&workshop, "out");
+    let rows = old["maps"][0]["rows"].as_array_mut().expect("rows");
+    for row in rows {
+        let error = &mut row["truth"]["relative-l1"];
+        if let Some(number) = error.as_f64() {
+            *error = (0.5 * number).into();
+        }
+    }
+    workshop.write("old.json", old.to_string());
+    let worse = with(&["--compare=old.json", "--fail-on=error:5%"]);
+    worse.error(1, &["--fail-on", "flake-bins"]);
+    assert!(worse.stdout.contains("flake-bins bins-45"), "{worse:#?}");
+    let unlimited = with(&["--compare=old.json"]);
+    assert_eq!(unlimited.code, Some(0), "{unlimited:#?}");
+}
+
+#[test]
+fn what_is_no_report_is_not_compared_with() {
+    let workshop = Workshop::with_map();
+    workshop.write("text.json", "glints");
+    workshop.write("other.json", r#"{"format": "other", "version": 1}"#);
+    let refuses = |code, arguments: &[&str], says: &[&str]| {
+        workshop.refuses(code, &[&["report", "map.png"], arguments].concat(), says);
+    };
+    refuses(3, &["--compare=absent.json"], &["absent.json"]);
+    refuses(3, &["--compare=text.json"], &["text.json", "JSON"]);
+    refuses(
+        3,
+        &["--compare=other.json"],
+        &["other.json", "glintbake-report"],
+    );
+    refuses(
+        2,
+        &["--compare=text.json", "--fail-on=beauty:5%"],
+        &["beauty", "error"],
+    );
+}
