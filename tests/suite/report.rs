@@ -30,16 +30,12 @@ fn report(kind: Kind, filter: Filter) -> MapReport {
         seed: 3,
         effort: EFFORT,
     };
-    let mut report = MapReport {
-        name: kind.name().to_owned(),
-        blake3: String::new(),
-        width: map.width(),
-        height: map.height(),
-        packages: Vec::new(),
-        rows: Vec::new(),
-        sources: Vec::new(),
-        skipped: Vec::new(),
-    };
+    let mut report = MapReport::new(
+        kind.name().to_owned(),
+        String::new(),
+        map.width(),
+        map.height(),
+    );
     let mut told = 0;
     measure(
         &map,

@@ -1,5 +1,6 @@
 //! `bake`
 
+use super::roughness::RoughnessArgs;
 use super::select::{filter, method};
 use crate::exit::{CommandError, Failure};
 use clap::Args;
@@ -25,23 +26,9 @@ pub struct BakeArgs {
     #[arg(long, value_delimiter = ',', default_value = "flake-bins", value_parser = method)]
     pub method: Vec<Method>,
 
-    /// Beckmann roughnesses α of the flakes, with commas between; one instance each
-    #[arg(
-        long,
-        value_delimiter = ',',
-        value_name = "ALPHA",
-        allow_negative_numbers = true
-    )]
-    pub roughness: Vec<f64>,
-
-    /// The same as intrinsic roughnesses σr = α / √2
-    #[arg(
-        long,
-        value_delimiter = ',',
-        value_name = "SIGMA",
-        allow_negative_numbers = true
-    )]
-    pub intrinsic_roughness: Vec<f64>,
+    /// One instance for each
+    #[command(flatten)]
+    pub roughness: RoughnessArgs,
 
     /// Bins a side for specular-bins [default: 127]
     #[arg(long, value_name = "N")]
@@ -221,12 +208,6 @@ fn usage(message: String) -> CommandError {
     CommandError::new(Failure::Usage, message)
 }
 
-/// Beckmann roughnesses, however they were given.
-pub(super) fn all_roughness(beckmann: &[f64], intrinsic: &[f64]) -> Vec<f64> {
-    let converted = intrinsic.iter().copied().map(beckmann_from_intrinsic);
-    beckmann.iter().copied().chain(converted).collect()
-}
-
 impl BakeArgs {
     /// The recipe these arguments ask for.
     ///
@@ -255,7 +236,7 @@ impl BakeArgs {
         if let Err(error) = glintbake_bake::check(&recipe) {
             return Err(self.in_given_words(error));
         }
-        let roughness = all_roughness(&self.roughness, &self.intrinsic_roughness);
+        let roughness = self.roughness.all();
         for (place, &alpha) in roughness.iter().enumerate() {
             if let Some(other) = roughness[..place]
                 .iter()
@@ -280,6 +261,7 @@ impl BakeArgs {
     fn in_given_words(&self, error: BakeError) -> CommandError {
         if let BakeError::Option { value, reason, .. } = &error
             && let Some(sigma) = self
+                .roughness
                 .intrinsic_roughness
                 .iter()
                 .find(|&&sigma| beckmann_from_intrinsic(sigma).to_string() == *value)
@@ -298,7 +280,7 @@ impl BakeArgs {
     }
 
     fn unchecked_recipe(&self) -> Recipe {
-        let roughness = all_roughness(&self.roughness, &self.intrinsic_roughness);
+        let roughness = self.roughness.all();
         let methods = self
             .method
             .iter()

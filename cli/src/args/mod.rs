@@ -2,11 +2,13 @@
 
 mod bake;
 mod report;
+mod roughness;
 mod select;
 mod stress;
 
 pub use bake::{BakeArgs, DecodeArgs};
 pub use report::ReportArgs;
+pub use roughness::RoughnessArgs;
 pub use select::{QuerySettings, SettingArgs};
 pub use stress::StressArgs;
 

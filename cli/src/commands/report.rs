@@ -50,20 +50,10 @@ pub fn run(arguments: &ReportArgs, console: &Console) -> Result<(), CommandError
         next: Instant::now(),
     };
     for (input, map) in &maps {
-        whole.maps.push(MapReport {
-            name: input.name.clone(),
-            blake3: input
-                .blake3
-                .iter()
-                .map(|byte| format!("{byte:02x}"))
-                .collect(),
-            width: map.width(),
-            height: map.height(),
-            packages: Vec::new(),
-            rows: Vec::new(),
-            sources: Vec::new(),
-            skipped: Vec::new(),
-        });
+        let blake3 = input.blake3.iter().map(|byte| format!("{byte:02x}"));
+        let blake3 = blake3.collect();
+        let map_report = MapReport::new(input.name.clone(), blake3, map.width(), map.height());
+        whole.maps.push(map_report);
         let bar = console.bar("measuring", &input.name);
         measure_map(map, &plan, clock, &mut whole, &bar, &mut saver)?;
     }

@@ -74,6 +74,22 @@ pub struct MapReport {
     pub skipped: Vec<Skipped>,
 }
 
+impl MapReport {
+    /// A report without any measurement yet.
+    pub fn new(name: String, blake3: String, width: u32, height: u32) -> Self {
+        Self {
+            name,
+            blake3,
+            width,
+            height,
+            packages: Vec::new(),
+            rows: Vec::new(),
+            sources: Vec::new(),
+            skipped: Vec::new(),
+        }
+    }
+}
+
 /// What was planned and could not be measured, and why.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

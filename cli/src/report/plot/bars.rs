@@ -1,6 +1,7 @@
 //! Plots of bars, one for each contestant.
 
 use super::super::markup::{Markup, Px};
+use super::draw_picture;
 use super::labels;
 use super::marks::Look;
 
@@ -40,17 +41,9 @@ impl BarPlot {
     /// Draws the plot into a page.
     pub fn draw(&self, markup: &mut Markup) {
         let height = TOP + STEP * self.bars.len() as f64 + 6.0;
-        let size = format!("0 0 {WIDTH} {}", Px(height));
-        markup.element(
-            "svg",
-            &[
-                ("viewBox", &size),
-                ("role", &"img"),
-                ("aria-label", &self.description),
-            ],
-            |svg| self.content(svg),
-        );
-        markup.end_line();
+        draw_picture(markup, [WIDTH, height], &self.description, |svg| {
+            self.content(svg)
+        });
     }
 
     fn content(&self, svg: &mut Markup) {

@@ -1,6 +1,7 @@
 //! Plots of lines, each with its name at its end.
 
 use super::super::markup::{Markup, Px};
+use super::draw_picture;
 use super::frame::{Axis, Frame};
 use super::labels;
 use super::marks::{Look, Shape};
@@ -124,17 +125,9 @@ impl LinePlot {
 
     /// Draws the plot into a page.
     pub fn draw(&self, markup: &mut Markup) {
-        let size = format!("0 0 {WIDTH} {HEIGHT}");
-        markup.element(
-            "svg",
-            &[
-                ("viewBox", &size),
-                ("role", &"img"),
-                ("aria-label", &self.description),
-            ],
-            |svg| self.content(svg),
-        );
-        markup.end_line();
+        draw_picture(markup, [WIDTH, HEIGHT], &self.description, |svg| {
+            self.content(svg)
+        });
     }
 
     fn content(&self, svg: &mut Markup) {

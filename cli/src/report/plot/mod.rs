@@ -10,3 +10,25 @@ pub mod lines;
 pub mod marks;
 pub mod scale;
 pub mod scatter;
+
+use super::markup::{Markup, Px};
+
+/// Draws a picture of `width` by `height` pixels into a page: `content`, described for who cannot see it.
+fn draw_picture(
+    markup: &mut Markup,
+    [width, height]: [f64; 2],
+    description: &str,
+    content: impl FnOnce(&mut Markup),
+) {
+    let size = format!("0 0 {} {}", Px(width), Px(height));
+    markup.element(
+        "svg",
+        &[
+            ("viewBox", &size),
+            ("role", &"img"),
+            ("aria-label", &description),
+        ],
+        content,
+    );
+    markup.end_line();
+}

@@ -3,6 +3,7 @@
 use super::super::markup::{Markup, Px};
 use super::super::panel::shown;
 use super::super::pareto;
+use super::draw_picture;
 use super::frame::{Axis, Frame};
 use super::labels::{self, Rectangle};
 use super::marks::Look;
@@ -47,17 +48,9 @@ const AREA: Rectangle = [50.0, 46.0, WIDTH - 14.0, HEIGHT - 40.0];
 impl ScatterPlot {
     /// Draws the plot into a page.
     pub fn draw(&self, markup: &mut Markup) {
-        let size = format!("0 0 {WIDTH} {HEIGHT}");
-        markup.element(
-            "svg",
-            &[
-                ("viewBox", &size),
-                ("role", &"img"),
-                ("aria-label", &self.description),
-            ],
-            |svg| self.content(svg),
-        );
-        markup.end_line();
+        draw_picture(markup, [WIDTH, HEIGHT], &self.description, |svg| {
+            self.content(svg)
+        });
     }
 
     fn content(&self, svg: &mut Markup) {
