@@ -8,7 +8,8 @@
 //! `w = max(short, long / A, 2^finest)` with A = 15 for boxes and 7.9 for Gaussians, and level log2 w, at most the top. They
 //! stand along the long axis.
 //! A box of length L > w is cut into pieces of length w from its middle outwards; the last on either side is what is left.
-//! A probe stands in the middle of each and weighs as much as it is long. A Gaussian first has the probes' own spread taken
+//! A probe stands in the middle of each and weighs as much as it is long; the last pair where all of them, each a box of
+//! width w, have the second moment of the whole. A Gaussian first has the probes' own spread taken
 //! away: what remains, τ² = (L² - w²) / 12, is spread over the places k h, h = min(w, 1.75 τ), |k h| < 3.5 τ, by the weights
 //! `exp(-(kh)² / 2τ²) - exp(-3.5² / 2)`.
 //!
@@ -170,6 +171,18 @@ pub(super) fn box_places(long: f64, width: f64) -> Vec<(f64, f64)> {
             places.push((-middle, share));
         }
         end = next;
+    }
+    let spread = |places: &[(f64, f64)]| -> f64 {
+        places
+            .iter()
+            .map(|(place, share)| share * place * place)
+            .sum()
+    };
+    let inner = places.len() - 2;
+    let wanted = (long * long - width * width) / 12.0 - spread(&places[..inner]);
+    for (place, share) in &mut places[inner..] {
+        let moved = libm::sqrt(wanted.max(0.0) / (2.0 * *share)).min(0.5 * long);
+        *place = libm::copysign(moved, *place);
     }
     places
 }

@@ -102,9 +102,10 @@ fn places_share_what_there_is_and_are_even_to_both_sides() {
     }
     // Three whole pieces.
     assert_eq!(box_places(3.0, 1.0).len(), 3);
-    // One whole piece and two of a tenth, each half a tenth beyond the first's end.
+    // One whole piece and two of a tenth, where all three have the second moment of a piece of 1.2.
     let pieces = box_places(1.2, 1.0);
-    assert!((pieces[1].0 - 0.55).abs() < 1e-15 && (pieces[1].1 - 0.1 / 1.2).abs() < 1e-15);
+    let place = libm::sqrt(1.2 * 2.2 / 12.0);
+    assert!((pieces[1].0 - place).abs() < 1e-14 && (pieces[1].1 - 0.1 / 1.2).abs() < 1e-15);
 }
 
 #[test]
