@@ -2,7 +2,7 @@
 
 use crate::image::{InputFile, ReadOptions};
 use crate::normals::{DecodeOptions, Statistics};
-use glintbake_format::model::{Filter, Method};
+use glintbake_format::model::{Filter, Kernel, Method};
 use glintbake_format::records::InverseKind;
 use serde::Serialize;
 
@@ -44,6 +44,12 @@ pub struct MethodRecipe {
     pub leaf_size: u32,
     /// The finest level of a pyramid, for a method that has one; `None` for the texels themselves.
     pub finest_level: Option<u32>,
+    /// The kernel of a query that names none, for a method that has several; `None` for the method's own.
+    #[serde(
+        serialize_with = "kernel_name",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub kernel: Option<Kernel>,
     /// Whether exact normals are stored, 4 bytes a texel.
     pub exact_normals: bool,
     /// Whether the masking of the map's own normals is stored: 4 KB, once for all methods and roughnesses that ask.
@@ -64,6 +70,7 @@ impl MethodRecipe {
             inverse: None,
             leaf_size: DEFAULT_LEAF_SIZE,
             finest_level: None,
+            kernel: None,
             exact_normals: false,
             masking: true,
         }
@@ -80,6 +87,14 @@ fn method_name<S: serde::Serializer>(method: &Method, serializer: S) -> Result<S
 
 fn filter_name<S: serde::Serializer>(filter: &Filter, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(filter.name())
+}
+
+#[expect(clippy::ref_option, reason = "the signature is serde's")]
+fn kernel_name<S: serde::Serializer>(
+    kernel: &Option<Kernel>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(kernel.map_or("default", Kernel::name))
 }
 
 #[expect(clippy::ref_option, reason = "the signature is serde's")]
@@ -149,7 +164,8 @@ impl Recipe {
     }
 
     /// About the most memory that a bake takes, in bytes a texel: 8 for the normals, 12 for each instance with bins (of
-    /// which about 7 stay until the package is written), 4 for exact normals, 20 for a pyramid, which instances share.
+    /// which about 7 stay until the package is written), 4 for exact normals, 20 for a pyramid and 24 for a
+    /// cluster tree, which instances share.
     ///
     /// For planning only. White noise below a roughness of 0.001, with nearly a bin to each texel, takes half as much
     /// again; flakes take three quarters of it.
@@ -158,6 +174,7 @@ impl Recipe {
         let structures = |method: &MethodRecipe| match method.method {
             Method::FlakeBins | Method::SpecularBins => 12 * method.instance_count(),
             Method::Lean => 20,
+            Method::ClusterTree => 24,
         };
         let structures: u64 = self.methods.iter().map(structures).sum();
         8 + structures + if exact { 4 } else { 0 }

@@ -7,7 +7,7 @@ use core::fmt;
 macro_rules! faults {
     ($($(#[doc = $doc:literal])+ $name:ident = $number:literal, $text:literal;)+) => {
         /// A kind of fault, with a stable number: 1xxx header, 2xxx section table and padding, 3xxx bins (31xx masking,
-        /// 32xx pyramids),
+        /// 32xx pyramids, 33xx cluster trees),
         /// 4xxx instances, 5xxx contents against checksums.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[repr(u16)]
@@ -105,6 +105,19 @@ faults! {
     SpreadRange = 3202, "a spread of normals is larger than the unit disk has room for, or its correlation is no number";
     /// A cell of a pyramid that is not the average of those below it.
     MeanAverage = 3203, "the mean of a cell is not the average of the finer cells it covers";
+
+    /// The box of a cluster tree's tile is none, or lies off the square around the disk.
+    ClusterRoot = 3301, "the normals of a tile of a cluster tree have no box within the unit square";
+    /// A box of a cluster tree is empty, or leaves its tile.
+    ClusterBox = 3302, "a box of a cluster tree ends before it begins, or beyond its tile";
+    /// A child or texel that is not there is not zero.
+    ClusterUnused = 3303, "an unused child or texel of a cluster tree is not zero";
+    /// A leaf of unknown kind, or finer bits that are not those of the wide leaves.
+    ClusterLeafKind = 3304, "the kind of a leaf of a cluster tree is unknown, or its finer bits are not where they should be";
+    /// The leaves of a tile do not hold each of its texels once.
+    ClusterTexels = 3305, "the leaves of a tile do not hold each of its texels once";
+    /// Moments of a leaf that are not those of its texels.
+    ClusterMoments = 3306, "the mean normal of a leaf is not that of its texels";
 
     /// The instance's numbers contradict themselves or this version.
     InstanceField = 4001, "an instance record has a value that this version does not allow";

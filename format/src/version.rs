@@ -11,8 +11,9 @@ pub const MAJOR: u16 = 1;
 /// Raised when kinds, methods or feature bits are added, which old readers skip or refuse but never misread. A reader
 /// accepts any minor version.
 ///
-/// 1 added block lists, bin maps in blocks, and masking; 2 added pyramids of moments, and `lean` which reads them.
-pub const MINOR: u16 = 2;
+/// 1 added block lists, bin maps in blocks, and masking; 2 added pyramids of moments, and `lean` which reads them; 3 added cluster
+/// trees, and `cluster-tree` which reads them.
+pub const MINOR: u16 = 3;
 
 /// Every section starts at a multiple of this, so that it can be uploaded to a GPU as it is.
 ///

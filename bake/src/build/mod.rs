@@ -2,6 +2,7 @@
 
 pub mod bin_map;
 pub mod block_lists;
+pub mod cluster_tree;
 pub mod exact_normals;
 pub mod forest;
 pub mod inverse_bin_map;

@@ -113,6 +113,16 @@ pub(super) fn check_options(recipe: &MethodRecipe) -> Result<(), BakeError> {
             ),
         });
     }
+    if let Some(kernel) = recipe.kernel {
+        return Err(BakeError::Option {
+            option: "--kernel",
+            value: kernel.name().to_owned(),
+            reason: format!(
+                "{} has one kernel; leave the option out, or use cluster-tree",
+                recipe.method.name()
+            ),
+        });
+    }
     if recipe.leaf_size == 0 {
         return Err(BakeError::Option {
             option: "--leaf-size",

@@ -43,6 +43,9 @@ impl BakeMethod for Lean {
             let size = recipe.leaf_size.to_string();
             return refuse("--leaf-size", size, "has no forest");
         }
+        if let Some(kernel) = recipe.kernel {
+            return refuse("--kernel", kernel.name().to_owned(), "has one kernel");
+        }
         if recipe.exact_normals {
             let reason = "keeps moments in place of normals";
             return refuse("--exact-normals", String::new(), reason);

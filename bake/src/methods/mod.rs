@@ -1,6 +1,7 @@
 //! Recipes: what each method puts into a package. One file per method, of the method's name.
 
 mod bins;
+mod cluster_tree;
 mod flake_bins;
 mod inverse;
 mod lean;
@@ -44,6 +45,7 @@ pub const REGISTRY: &[&dyn BakeMethod] = &[
     &flake_bins::FlakeBins,
     &specular_bins::SpecularBins,
     &lean::Lean,
+    &cluster_tree::ClusterTree,
 ];
 
 /// The baker of `method`.

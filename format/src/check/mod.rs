@@ -6,6 +6,7 @@
 
 mod bins;
 mod block_lists;
+mod clusters;
 mod inverse_bin_map;
 mod masking;
 mod pyramid;
@@ -27,6 +28,7 @@ pub fn structure(container: &Container<'_>, report: &mut dyn FnMut(Finding)) {
                 match instance.structure {
                     Structure::Bins(_) => bins::check(container, &instance, report),
                     Structure::Pyramid { .. } => pyramid::check(container, &instance, report),
+                    Structure::Clusters { .. } => clusters::check(container, &instance, report),
                 }
                 masking::check(container, &instance, report);
             }

@@ -10,10 +10,17 @@ pub enum Method {
     SpecularBins = 2,
     /// One Gaussian lobe per cell of a MIP pyramid \[OB10\].
     Lean = 3,
+    /// Moments of clusters in a tree over positions and normals: this project's own, docs/cluster-tree.md.
+    ClusterTree = 4,
 }
 
 /// Every method this version knows, in order of its code.
-pub const METHODS: &[Method] = &[Method::FlakeBins, Method::SpecularBins, Method::Lean];
+pub const METHODS: &[Method] = &[
+    Method::FlakeBins,
+    Method::SpecularBins,
+    Method::Lean,
+    Method::ClusterTree,
+];
 
 impl Method {
     /// The method stored as `code`, if this version knows it.
@@ -37,13 +44,15 @@ impl Method {
             Self::FlakeBins => "flake-bins",
             Self::SpecularBins => "specular-bins",
             Self::Lean => "lean",
+            Self::ClusterTree => "cluster-tree",
         }
     }
 
-    /// The kernel its answers are densities of; answers of two methods compare only within one kernel.
+    /// The kernel its answers are densities of; answers of two methods compare only within one kernel. Of a method that
+    /// has several, the one it takes unless told otherwise.
     pub const fn kernel(self) -> Kernel {
         match self {
-            Self::FlakeBins => Kernel::Beckmann,
+            Self::FlakeBins | Self::ClusterTree => Kernel::Beckmann,
             Self::SpecularBins => Kernel::BinAverage,
             Self::Lean => Kernel::Disk,
         }

@@ -4,6 +4,7 @@
 
 mod bins;
 mod blocks;
+mod clusters;
 mod footprint;
 mod forest;
 mod masking;
@@ -15,6 +16,9 @@ pub use bins::{BinGrid, Binning, Neighbourhood, disk_grid_resolution};
 pub use blocks::{
     BLOCK_SIDE, BLOCK_TEXELS, BlockLayout, PAGE_SIDE, PageLayout, TILE_SIDE, block_name,
     block_place,
+};
+pub use clusters::{
+    CLUSTER_CHILDREN, CLUSTER_LEVELS, ClusterLayout, ClusterLevel, ClusterTile, TileShape,
 };
 pub use footprint::{Filter, Footprint, MAX_EDGE_TILES, Wrap};
 pub use forest::{ForestShape, morton_index};

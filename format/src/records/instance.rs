@@ -1,7 +1,7 @@
 //! Instance records: what was baked, by which method, and with which numbers.
 
 use crate::finding::{Fault, Finding};
-use crate::model::{BinGrid, Binning, Filter, Kernel, Method, PyramidLayout, Wrap};
+use crate::model::{BinGrid, Binning, ClusterLayout, Filter, Kernel, Method, PyramidLayout, Wrap};
 use crate::records::INSTANCES;
 use crate::section::SectionId;
 use core::ops::RangeInclusive;
@@ -104,8 +104,10 @@ pub struct InstanceRecord {
     pub key_count: U32,
     /// 44: finest level of a pyramid; 0 without one.
     pub finest_level: U32,
-    /// 48: zero.
-    pub reserved: [u8; 16],
+    /// 48: kernel of a query that names none, for a method that has several; else 0.
+    pub kernel: U16,
+    /// 50: zero.
+    pub reserved: [u8; 14],
 }
 
 const _: () = assert!(
@@ -137,6 +139,11 @@ pub enum Structure {
     Pyramid {
         /// The finest level stored, 0 for the texels themselves.
         finest_level: u32,
+    },
+    /// A tree over positions and normals, in the tiles of a [`ClusterLayout`].
+    Clusters {
+        /// Kernel of a query that names none: Beckmann's or the disk's.
+        kernel: Kernel,
     },
 }
 
@@ -178,17 +185,33 @@ impl Instance {
     pub const fn bins(&self) -> Option<Bins> {
         match self.structure {
             Structure::Bins(bins) => Some(bins),
-            Structure::Pyramid { .. } => None,
+            Structure::Pyramid { .. } | Structure::Clusters { .. } => None,
         }
     }
 
     /// The layout of the pyramid, of a method that has one.
     pub const fn pyramid(&self) -> Option<PyramidLayout> {
         match self.structure {
-            Structure::Bins(_) => None,
+            Structure::Bins(_) | Structure::Clusters { .. } => None,
             Structure::Pyramid { finest_level } => {
                 PyramidLayout::new(self.width, self.height, finest_level)
             }
+        }
+    }
+
+    /// The layout of the cluster tree, of a method that has one.
+    pub const fn clusters(&self) -> Option<ClusterLayout> {
+        match self.structure {
+            Structure::Bins(_) | Structure::Pyramid { .. } => None,
+            Structure::Clusters { .. } => ClusterLayout::new(self.width, self.height),
+        }
+    }
+
+    /// The kernel of a query that names none.
+    pub const fn kernel(&self) -> Kernel {
+        match self.structure {
+            Structure::Bins(_) | Structure::Pyramid { .. } => self.method.kernel(),
+            Structure::Clusters { kernel } => kernel,
         }
     }
 
@@ -210,7 +233,8 @@ impl Instance {
             inverse: U16::ZERO,
             key_count: U32::ZERO,
             finest_level: U32::ZERO,
-            reserved: [0; 16],
+            kernel: U16::ZERO,
+            reserved: [0; 14],
         };
         match self.structure {
             Structure::Bins(bins) => InstanceRecord {
@@ -224,6 +248,10 @@ impl Instance {
             },
             Structure::Pyramid { finest_level } => InstanceRecord {
                 finest_level: U32::new(finest_level),
+                ..record
+            },
+            Structure::Clusters { kernel } => InstanceRecord {
+                kernel: U16::new(kernel as u16),
                 ..record
             },
         }
@@ -267,6 +295,10 @@ impl Instance {
                     .ok_or(field.values(0, u64::from(finest_level)))?;
                 Structure::Pyramid { finest_level }
             }
+            Method::ClusterTree => match Kernel::from_code(record.kernel.get()) {
+                Some(kernel @ (Kernel::Beckmann | Kernel::Disk)) => Structure::Clusters { kernel },
+                _ => return Err(field.values(1, u64::from(record.kernel.get()))),
+            },
         };
         let instance = Self {
             layer: record.layer.get(),

@@ -2,12 +2,14 @@
 
 mod bins;
 mod blocks;
+mod clusters;
 mod instance;
 mod masking;
 mod pyramid;
 
 pub use bins::{BoxRecord, ExactNormal, ForestNode, TexelPosition};
 pub use blocks::{ListStart, PageRecord, TileRecord};
+pub use clusters::{ClusterLeaf, ClusterNode, LeafBits, LeafKind, PALETTE_UNIT, TileRoot};
 pub use instance::{Bins, IndexKind, Instance, InstanceRecord, InverseKind, Structure};
 pub use masking::MaskingValue;
 pub use pyramid::{NarrowMean, SpreadRecord, WideMean};
@@ -51,6 +53,17 @@ pub const MEANS: FourCc = FourCc(*b"MEAN");
 /// Spreads of normals in the cells of a pyramid, level by level, but for level 0, whose cells are single texels.
 pub const SPREADS: FourCc = FourCc(*b"SPRD");
 
+/// Roots of the tiles of a cluster tree, level by level.
+pub const ROOTS: FourCc = FourCc(*b"ROOT");
+/// Nodes of a cluster tree, tile by tile.
+pub const NODES: FourCc = FourCc(*b"NODE");
+/// Leaves of a cluster tree: the texels themselves.
+pub const LEAVES: FourCc = FourCc(*b"LEAF");
+/// More bits of the normals in leaves that are too wide for their own; absent if there are none.
+pub const FINE_BITS: FourCc = FourCc(*b"FINE");
+/// For each node of the finest tiles, the lines of finer bits before those of its leaves; absent as those.
+pub const FINE_STARTS: FourCc = FourCc(*b"FNDX");
+
 /// The schema version of every section of this major version so far.
 pub const SCHEMA: u32 = 1;
 
@@ -74,6 +87,11 @@ const KINDS: &[(FourCc, &[u32])] = &[
     (MASKING, &[2]),
     (MEANS, &[4, 8]),
     (SPREADS, &[6]),
+    (ROOTS, &[24]),
+    (NODES, &[256]),
+    (LEAVES, &[64]),
+    (FINE_BITS, &[64]),
+    (FINE_STARTS, &[4]),
 ];
 
 /// The element sizes a section of `kind` may have, or `None` if this version does not know the kind.

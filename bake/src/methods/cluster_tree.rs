@@ -1,0 +1,96 @@
+//! `cluster-tree`: moments of clusters in a tree over positions and normals, for every roughness.
+
+use super::{Bake, BakeMethod, bins, masking, roughness};
+use crate::build::cluster_tree;
+use crate::error::BakeError;
+use crate::normals::NormalMap;
+use crate::progress::Stage;
+use crate::recipe::{DEFAULT_LEAF_SIZE, MethodRecipe};
+use glintbake_format::model::{Kernel, Method};
+use glintbake_format::records::{
+    FINE_BITS, FINE_STARTS, Instance, LEAVES, NODES, ROOTS, Structure,
+};
+
+pub(super) struct ClusterTree;
+
+impl BakeMethod for ClusterTree {
+    fn method(&self) -> Method {
+        Method::ClusterTree
+    }
+
+    fn check(&self, recipe: &MethodRecipe) -> Result<(), BakeError> {
+        let refuse = |option, value: String, reason: &str| {
+            Err(BakeError::Option {
+                option,
+                value,
+                reason: format!("cluster-tree {reason}; leave the option out"),
+            })
+        };
+        if let Some(bins) = recipe.bins {
+            return refuse("--bins", bins.to_string(), "has no bins");
+        }
+        if let Some(kind) = recipe.inverse {
+            let kind = kind.name().to_owned();
+            return refuse("--index", kind, "has no bins whose texels are looked for");
+        }
+        if recipe.leaf_size != DEFAULT_LEAF_SIZE {
+            let size = recipe.leaf_size.to_string();
+            return refuse("--leaf-size", size, "has leaves of 16 texels");
+        }
+        if let Some(level) = recipe.finest_level {
+            return refuse("--finest-level", level.to_string(), "keeps every texel");
+        }
+        if recipe.exact_normals {
+            return refuse("--exact-normals", String::new(), "has exact normals");
+        }
+        if let Some(kernel @ Kernel::BinAverage) = recipe.kernel {
+            return refuse("--kernel", kernel.name().to_owned(), "has no bins");
+        }
+        roughness::check(recipe)
+    }
+
+    fn bake(
+        &self,
+        map: &NormalMap,
+        recipe: &MethodRecipe,
+        bake: &mut Bake<'_>,
+    ) -> Result<(), BakeError> {
+        bins::check_sides(map)?;
+        for (place, &alpha) in recipe.roughness.iter().enumerate() {
+            let instance = Instance {
+                layer: 0,
+                number: bake.next_number(),
+                method: Method::ClusterTree,
+                wrap: map.wrap(),
+                width: map.width(),
+                height: map.height(),
+                roughness: Some(alpha),
+                filter: recipe.filter,
+                structure: Structure::Clusters {
+                    kernel: recipe.kernel.unwrap_or(Method::ClusterTree.kernel()),
+                },
+            };
+            bake.begin(Stage::Structures);
+            if place == 0 {
+                let tree = cluster_tree::build(map);
+                bake.plan.add(instance.section(ROOTS), tree.roots);
+                bake.plan.add(instance.section(NODES), tree.nodes);
+                bake.plan.add(instance.section(LEAVES), tree.leaves);
+                if tree.fine.is_empty() {
+                    let reason = "every leaf has its normals in 32 bits a texel";
+                    bake.leave_out(&instance, "FINE", reason);
+                } else {
+                    bake.plan.add(instance.section(FINE_BITS), tree.fine);
+                    bake.plan
+                        .add(instance.section(FINE_STARTS), tree.fine_starts);
+                }
+            } else {
+                let reason = "stored once, with the first roughness: the tree serves them all";
+                bake.leave_out(&instance, "NODE", reason);
+            }
+            masking::add(map, recipe, &instance, bake);
+            bake.instances.push(instance);
+        }
+        Ok(())
+    }
+}
