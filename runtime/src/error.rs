@@ -18,6 +18,15 @@ pub enum QueryError {
     },
     /// The setting means nothing for this method.
     SettingUnsupported(Method),
+    /// The kernel is not one of this method.
+    KernelUnsupported(Method),
+    /// The roughness asked for is out of range.
+    RoughnessRange {
+        /// The least Beckmann roughness.
+        least: f64,
+        /// The greatest Beckmann roughness.
+        most: f64,
+    },
     /// The package was baked without a section that this query needs.
     NotBaked {
         /// Kind of the absent section.
@@ -52,6 +61,15 @@ impl fmt::Display for QueryError {
             Self::SettingUnsupported(method) => {
                 write!(f, "{} has no such setting; leave it out", method.name())
             }
+            Self::KernelUnsupported(method) => write!(
+                f,
+                "{} has no such kernel; it has beckmann and disk",
+                method.name()
+            ),
+            Self::RoughnessRange { least, most } => write!(
+                f,
+                "the roughness must lie between {least} and {most} (Beckmann)"
+            ),
             Self::NotBaked { section, option } => write!(
                 f,
                 "the package has no section {section}; bake it with {option}"

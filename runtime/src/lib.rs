@@ -40,7 +40,8 @@ pub use glintbake_format::model;
 pub use glintbake_format::records::Instance;
 pub use glintbake_format::{Fault, Finding};
 pub use ndf::{
-    BatchError, Facet, FlakeBins, Lean, Lobe, Ndf, Queries, Setting, SpecularBins, SurfaceNdf,
+    Accuracy, BatchError, ClusterTree, Facet, FlakeBins, Lean, Lobe, Ndf, Queries, Setting,
+    SpecularBins, SurfaceNdf,
 };
 pub use package::Package;
 pub use simd::Instructions;

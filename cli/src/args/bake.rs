@@ -1,13 +1,13 @@
 //! `bake`
 
 use super::roughness::RoughnessArgs;
-use super::select::{filter, method};
+use super::select::{filter, kernel, method};
 use crate::exit::{CommandError, Failure};
 use clap::Args;
 use glintbake_bake::image::ReadOptions;
 use glintbake_bake::normals::{Channels, DecodeOptions, GreenAxis, Input, Range, Zero};
 use glintbake_bake::{BakeError, DEFAULT_LEAF_SIZE, MethodRecipe, Recipe};
-use glintbake_format::model::{Filter, Method, Wrap, beckmann_from_intrinsic};
+use glintbake_format::model::{Filter, Kernel, Method, Wrap, beckmann_from_intrinsic};
 use glintbake_format::records::InverseKind;
 use std::path::PathBuf;
 
@@ -22,7 +22,7 @@ pub struct BakeArgs {
     pub output: PathBuf,
 
     /// Methods to bake for, with commas between: flake-bins (rough flakes), specular-bins (mirrors),
-    /// lean (one Gaussian lobe, for distant surfaces)
+    /// lean (one Gaussian lobe, for distant surfaces), cluster-tree (any roughness, within an error)
     #[arg(long, value_delimiter = ',', default_value = "flake-bins", value_parser = method)]
     pub method: Vec<Method>,
 
@@ -50,6 +50,10 @@ pub struct BakeArgs {
     #[arg(long, value_name = "N")]
     pub finest_level: Option<u32>,
 
+    /// Kernel of a query that names none, for cluster-tree: beckmann or disk [default: beckmann]
+    #[arg(long, value_parser = kernel)]
+    pub kernel: Option<Kernel>,
+
     /// Store true normals as well (4 bytes a texel), for `query --exact`
     #[arg(long)]
     pub exact_normals: bool,
@@ -63,7 +67,7 @@ pub struct BakeArgs {
     pub decode: DecodeArgs,
 
     /// Most memory a bake may take, as in 6GB or 500MB; a map that would take more is refused before it is read.
-    /// Counted as 8 bytes a texel, 12 for each instance with bins and 20 for lean
+    /// Counted as 8 bytes a texel, 12 for each instance with bins, 20 for lean and 24 for cluster-tree
     #[arg(long, default_value = "16GB", value_name = "SIZE", value_parser = memory)]
     pub memory: u64,
 
@@ -286,7 +290,7 @@ impl BakeArgs {
             .iter()
             .map(|&method| {
                 let goes = |takers: &[Method]| self.goes_to(method, takers);
-                let rough = goes(&[Method::FlakeBins, Method::Lean]);
+                let rough = goes(&[Method::FlakeBins, Method::Lean, Method::ClusterTree]);
                 let binned = goes(&[Method::FlakeBins, Method::SpecularBins]);
                 MethodRecipe {
                     method,
@@ -299,6 +303,7 @@ impl BakeArgs {
                         .filter(|_| binned)
                         .unwrap_or(DEFAULT_LEAF_SIZE),
                     finest_level: self.finest_level.filter(|_| goes(&[Method::Lean])),
+                    kernel: self.kernel.filter(|_| goes(&[Method::ClusterTree])),
                     exact_normals: self.exact_normals && goes(&[Method::FlakeBins]),
                     masking: !self.no_masking,
                 }

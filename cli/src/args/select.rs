@@ -3,20 +3,22 @@
 use crate::exit::{CommandError, Failure};
 use clap::Args;
 use glintbake_format::model::{
-    Filter, METHODS, Method, Neighbourhood, beckmann_from_intrinsic, intrinsic_from_beckmann,
+    Filter, Kernel, METHODS, Method, Neighbourhood, beckmann_from_intrinsic,
+    intrinsic_from_beckmann,
 };
 use glintbake_format::records::Structure;
 use glintbake_runtime::ndf::DEFAULT_TOLERANCE;
-use glintbake_runtime::{Package, Setting, SurfaceNdf};
+use glintbake_runtime::{Accuracy, Ndf, Package, Setting, SurfaceNdf};
 
 /// What to evaluate; all of it can be left out.
 #[derive(Debug, Args, Clone, Default)]
 pub struct SettingArgs {
-    /// Method to answer with, flake-bins, specular-bins or lean; the package's first if left out
+    /// Method to answer with, flake-bins, specular-bins, lean or cluster-tree; the package's first if left out
     #[arg(long, value_parser = method)]
     pub method: Option<Method>,
 
-    /// Beckmann roughness α that was baked; the package's first if left out
+    /// Beckmann roughness α: for cluster-tree any from 0.0001 to 1, else one that was baked; the package's first if left
+    /// out
     #[arg(
         long,
         value_name = "ALPHA",
@@ -37,6 +39,14 @@ pub struct SettingArgs {
     /// texel exactly [default: 0.125]
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = tolerance)]
     pub tolerance: Option<f64>,
+
+    /// Kernel of cluster-tree about each normal, beckmann or disk; the package's default if left out
+    #[arg(long, value_parser = kernel)]
+    pub kernel: Option<Kernel>,
+
+    /// Relative error of cluster-tree, summed up over many queries, that its speed is chosen for [default: 0.002]
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true, value_parser = eps)]
+    pub eps: Option<f64>,
 
     /// Sum over texels with their true normals (Atanasov 2021 eq. 11); needs a package baked with --exact-normals
     #[arg(long, conflicts_with = "paper")]
@@ -61,6 +71,21 @@ pub(super) fn filter(name: &str) -> Result<Filter, String> {
         .into_iter()
         .find(|filter| filter.name() == name)
         .ok_or_else(|| "it must be box or gaussian".to_owned())
+}
+
+/// The kernel called `name`, of a method that has several; for the command line.
+pub(super) fn kernel(name: &str) -> Result<Kernel, String> {
+    [Kernel::Beckmann, Kernel::Disk]
+        .into_iter()
+        .find(|kernel| kernel.name() == name)
+        .ok_or_else(|| "it must be beckmann or disk".to_owned())
+}
+
+fn eps(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(eps) if (1e-9..=0.1).contains(&eps) => Ok(eps),
+        _ => Err("it must be a number from 1e-9 to 0.1".to_owned()),
+    }
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {
@@ -89,9 +114,16 @@ impl SettingArgs {
         let roughness = self
             .roughness
             .or(self.intrinsic_roughness.map(beckmann_from_intrinsic));
+        // A cluster tree serves every roughness, so that one baked for another will do.
+        let tree = || match self.method {
+            None | Some(Method::ClusterTree) => package.find(Some(Method::ClusterTree), None),
+            Some(_) => None,
+        };
         let instance = package
             .find(self.method, roughness)
+            .or_else(tree)
             .ok_or_else(|| self.not_baked(package))?;
+        self.check_tree_options(instance.method)?;
         let filter = self.filter.unwrap_or(instance.filter);
         let tolerance = self.tolerance.unwrap_or(DEFAULT_TOLERANCE);
         let tolerance_said = match filter {
@@ -125,22 +157,56 @@ impl SettingArgs {
         } else if self.paper {
             ndf = ndf.with_setting(Setting::Binned(Neighbourhood::Bins21))?;
         }
-        let roughness = instance
+        let mut kernel = instance.kernel();
+        if let SurfaceNdf::ClusterTree(tree) = &mut ndf {
+            if let Some(alpha) = roughness {
+                *tree = tree.with_roughness(alpha)?;
+            }
+            kernel = self.kernel.unwrap_or(kernel);
+            let eps = self.eps.unwrap_or(Accuracy::DEFAULT);
+            *tree = tree.with_kernel(kernel)?.with_accuracy(Accuracy::Fast(eps));
+        }
+        let roughness = ndf
+            .instance()
             .roughness
             .map(|alpha| format!(" roughness={alpha}"))
             .unwrap_or_default();
         let structure = match instance.structure {
             Structure::Bins(bins) => format!("bins={}", bins.grid.resolution()),
             Structure::Pyramid { finest_level } => format!("finest-level={finest_level}"),
+            Structure::Clusters { .. } => {
+                format!("eps={}", self.eps.unwrap_or(Accuracy::DEFAULT))
+            }
         };
         let description = format!(
             "method={} kernel={} filter={}{tolerance_said}{roughness} {structure} setting={}",
             instance.method.name(),
-            instance.method.kernel().name(),
+            kernel.name(),
             filter.name(),
             ndf.setting_name(),
         );
         Ok(QuerySettings { ndf, description })
+    }
+
+    /// Refuses options of `cluster-tree` for another method.
+    fn check_tree_options(&self, method: Method) -> Result<(), CommandError> {
+        if method == Method::ClusterTree {
+            return Ok(());
+        }
+        let given = [
+            ("--kernel", self.kernel.is_some()),
+            ("--eps", self.eps.is_some()),
+        ];
+        match given.iter().find(|(_, is_given)| *is_given) {
+            Some((option, _)) => Err(CommandError::new(
+                Failure::Usage,
+                format!(
+                    "{option}: only cluster-tree has a choice of it, and {} answers; add --method cluster-tree, or leave it out",
+                    method.name()
+                ),
+            )),
+            None => Ok(()),
+        }
     }
 
     fn not_baked(&self, package: &Package<'_>) -> CommandError {

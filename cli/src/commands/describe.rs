@@ -48,6 +48,7 @@ pub(super) fn instance(instance: &Instance) -> String {
         Structure::Pyramid { finest_level } => {
             format!("levels {finest_level} to {}", top(instance))
         }
+        Structure::Clusters { kernel } => format!("kernel {}", kernel.name()),
     };
     format!(
         "instance {}: {} {} x {}{roughness}, {structure}, {}",
@@ -69,7 +70,7 @@ pub(super) fn instance_document(instance: &Instance) -> Value {
     let mut document = json!({
         "filter": instance.filter.name(),
         "height": instance.height,
-        "kernel": instance.method.kernel().name(),
+        "kernel": instance.kernel().name(),
         "layer": instance.layer,
         "method": instance.method.name(),
         "number": instance.number,
@@ -90,6 +91,7 @@ pub(super) fn instance_document(instance: &Instance) -> Value {
             "finest-level": finest_level,
             "top-level": top(instance),
         }),
+        Structure::Clusters { .. } => json!({}),
     };
     if let (Value::Object(document), Value::Object(structure)) = (&mut document, structure) {
         document.extend(structure);

@@ -84,7 +84,14 @@ impl Tile<'_> {
         }
         let shape = self.tile.shape;
         let first = self.tile.first_node;
-        self.node(first, 0, shape.clusters, shape.depth(), [low, extent], report);
+        self.node(
+            first,
+            0,
+            shape.clusters,
+            shape.depth(),
+            [low, extent],
+            report,
+        );
         for child in 0..CLUSTER_CHILDREN {
             if shape.depth() < 2 {
                 break;
@@ -211,7 +218,10 @@ impl Tile<'_> {
             let byte = bytes.get(child as usize).copied().unwrap_or_default();
             let (low, extent) = (low.get(at).copied(), extent.get(at).copied());
             let (low, extent) = low.zip(extent).unwrap_or_default();
-            (low + f64::from(byte) / 255.0 * extent, extent / 255.0 + 1e-6)
+            (
+                low + f64::from(byte) / 255.0 * extent,
+                extent / 255.0 + 1e-6,
+            )
         };
         for (at, bytes) in [(0, &node.mean_s), (1, &node.mean_t)] {
             let (mean, slack) = mean(at, bytes);
@@ -234,14 +244,20 @@ impl Tile<'_> {
                 .skip(texels as usize)
                 .any(|entry| entry != 0);
         }
-        leaf.0.iter().skip(texels as usize).any(|word| word.get() != 0)
+        leaf.0
+            .iter()
+            .skip(texels as usize)
+            .any(|word| word.get() != 0)
     }
 }
 
 /// First bottom cluster, and number of them, of child `child` of a node that has `count` from `first`.
 fn range(first: u32, count: u32, child: u32) -> [u32; 2] {
     let start = TileShape::child_cluster(first, count, child);
-    [start, TileShape::child_cluster(first, count, child + 1) - start]
+    [
+        start,
+        TileShape::child_cluster(first, count, child + 1) - start,
+    ]
 }
 
 /// What a node says of one child.

@@ -160,7 +160,10 @@ impl ClusterLayout {
         };
         let [width, height] = self.size;
         let tiles = [width.div_ceil(side), height.div_ceil(side)];
-        let last = [width - (tiles[0] - 1) * side, height - (tiles[1] - 1) * side];
+        let last = [
+            width - (tiles[0] - 1) * side,
+            height - (tiles[1] - 1) * side,
+        ];
         ClusterLevel {
             number,
             side,
@@ -269,7 +272,14 @@ mod tests {
 
     #[test]
     fn tiles_nodes_and_leaves_follow_each_other_without_gaps() {
-        for [width, height] in [[1, 1], [64, 64], [65, 3], [200, 130], [1100, 700], [2048, 2048]] {
+        for [width, height] in [
+            [1, 1],
+            [64, 64],
+            [65, 3],
+            [200, 130],
+            [1100, 700],
+            [2048, 2048],
+        ] {
             let layout = ClusterLayout::new(width, height).unwrap();
             let (mut root, mut node, mut leaf) = (0, 0, 0);
             for number in 0..layout.levels() {
@@ -304,7 +314,10 @@ mod tests {
             let shape = TileShape::new(texels, 1, 16);
             let sizes = (0..shape.clusters)
                 .map(|cluster| shape.first_texel(cluster + 1) - shape.first_texel(cluster));
-            assert!(sizes.clone().all(|size| (1..=16).contains(&size)), "{texels}");
+            assert!(
+                sizes.clone().all(|size| (1..=16).contains(&size)),
+                "{texels}"
+            );
             assert_eq!(sizes.sum::<u32>(), texels);
             assert_eq!(shape.first_texel(0), 0);
         }
@@ -316,8 +329,7 @@ mod tests {
     #[test]
     fn bytes_stay_below_six_and_a_half_a_texel() {
         let layout = ClusterLayout::new(2048, 2048).unwrap();
-        let bytes =
-            24 * layout.root_count() + 256 * layout.node_count() + 64 * layout.leaf_count();
+        let bytes = 24 * layout.root_count() + 256 * layout.node_count() + 64 * layout.leaf_count();
         assert!(bytes as f64 / (2048.0 * 2048.0) < 6.3, "{bytes}");
     }
 }

@@ -74,7 +74,9 @@ pub struct ClusterNode {
 pub struct ClusterLeaf(pub [U32; 16]);
 
 const _: () = assert!(
-    size_of::<TileRoot>() == 24 && size_of::<ClusterNode>() == 256 && size_of::<ClusterLeaf>() == 64,
+    size_of::<TileRoot>() == 24
+        && size_of::<ClusterNode>() == 256
+        && size_of::<ClusterLeaf>() == 64,
     "records are as FORMAT.md says"
 );
 
@@ -168,7 +170,21 @@ mod tests {
             let word = bits.pack(fields[0], fields[1], fields[2], fields[3]);
             assert_eq!(bits.unpack(word), fields);
         }
-        assert_eq!(LeafBits::new(63, 63), LeafBits { x: 6, y: 6, normal: 10 });
-        assert_eq!(LeafBits::new(3, 4), LeafBits { x: 2, y: 3, normal: 13 });
+        assert_eq!(
+            LeafBits::new(63, 63),
+            LeafBits {
+                x: 6,
+                y: 6,
+                normal: 10
+            }
+        );
+        assert_eq!(
+            LeafBits::new(3, 4),
+            LeafBits {
+                x: 2,
+                y: 3,
+                normal: 13
+            }
+        );
     }
 }

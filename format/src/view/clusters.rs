@@ -163,13 +163,20 @@ impl<'a> ClusterTree<'a> {
                 .ok_or_else(|| self.damaged())
         };
         let word = |words: &[U32; 16], at: usize| {
-            words.get(at).map(|word| word.get()).ok_or_else(|| self.damaged())
+            words
+                .get(at)
+                .map(|word| word.get())
+                .ok_or_else(|| self.damaged())
         };
         let (x, y) = (byte(&node.low_x)?, byte(&node.low_y)?);
         let kind = LeafKind::of(byte(&node.deviation_xy)?).ok_or(self.damaged())?;
         if kind == LeafKind::Palette {
             let pair = word(words, 8 + texel / 2)?;
-            let entry = if texel % 2 == 0 { pair & 0xFFFF } else { pair >> 16 };
+            let entry = if texel % 2 == 0 {
+                pair & 0xFFFF
+            } else {
+                pair >> 16
+            };
             let colour = 2 * (entry & 3) as usize;
             let component = |at| word(words, at).map(|word| f64::from(word as i32) * PALETTE_UNIT);
             return Ok(LeafTexel {

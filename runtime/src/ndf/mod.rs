@@ -4,12 +4,14 @@
 
 mod batch;
 mod bin_weights;
+mod cluster_tree;
 mod flake_bins;
 mod lean;
 mod specular_bins;
 
 pub use batch::{BatchError, Queries};
 pub use bin_weights::{DEFAULT_TOLERANCE, Lookup};
+pub use cluster_tree::{Accuracy, ClusterTree};
 pub use flake_bins::{FlakeBins, Setting};
 pub use lean::{Lean, Lobe};
 pub use specular_bins::SpecularBins;
@@ -126,6 +128,8 @@ pub enum SurfaceNdf<'a> {
     SpecularBins(SpecularBins<'a>),
     /// One Gaussian lobe from MIP-mapped moments, \[OB10\].
     Lean(Lean<'a>),
+    /// Moments of clusters in a tree over positions and normals, ours.
+    ClusterTree(ClusterTree<'a>),
 }
 
 impl<'a> SurfaceNdf<'a> {
@@ -138,6 +142,7 @@ impl<'a> SurfaceNdf<'a> {
             Method::FlakeBins => Self::FlakeBins(FlakeBins::open(container, instance)?),
             Method::SpecularBins => Self::SpecularBins(SpecularBins::open(container, instance)?),
             Method::Lean => Self::Lean(Lean::open(container, instance)?),
+            Method::ClusterTree => Self::ClusterTree(ClusterTree::open(container, instance)?),
         })
     }
 
@@ -151,6 +156,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::FlakeBins(ndf) => ndf.with_setting(setting).map(Self::FlakeBins),
             Self::SpecularBins(_) => Err(QueryError::SettingUnsupported(Method::SpecularBins)),
             Self::Lean(_) => Err(QueryError::SettingUnsupported(Method::Lean)),
+            Self::ClusterTree(_) => Err(QueryError::SettingUnsupported(Method::ClusterTree)),
         }
     }
 
@@ -158,7 +164,7 @@ impl<'a> SurfaceNdf<'a> {
     pub fn setting_name(&self) -> &'static str {
         match self {
             Self::FlakeBins(ndf) => ndf.setting().name(),
-            Self::SpecularBins(_) | Self::Lean(_) => "default",
+            Self::SpecularBins(_) | Self::Lean(_) | Self::ClusterTree(_) => "default",
         }
     }
 
@@ -169,6 +175,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::FlakeBins(ndf) => ndf.how.filter = filter,
             Self::SpecularBins(ndf) => ndf.how.filter = filter,
             Self::Lean(ndf) => ndf.filter = filter,
+            Self::ClusterTree(ndf) => ndf.filter = filter,
         }
         self
     }
@@ -181,13 +188,14 @@ impl<'a> SurfaceNdf<'a> {
     /// Where every block stands for its texels, the Gaussian ends at 3.7 standard deviations instead of 4.8. Errors of
     /// blocks have either sign, so that those of densities are far smaller (the default to 0.6 % in relative L1 on the
     /// sample maps). 0 weighs every texel exactly. Means nothing for boxes, for lists of positions and for the exact
-    /// setting, which never approximate, and for `lean`, which weighs no texels.
+    /// setting, which never approximate, for `lean`, which weighs no texels, and for `cluster-tree`, which has an
+    /// [`Accuracy`] instead.
     #[must_use]
     pub fn with_tolerance(mut self, tolerance: f64) -> Self {
         match &mut self {
             Self::FlakeBins(ndf) => ndf.how.tolerance = tolerance,
             Self::SpecularBins(ndf) => ndf.how.tolerance = tolerance,
-            Self::Lean(_) => {}
+            Self::Lean(_) | Self::ClusterTree(_) => {}
         }
         self
     }
@@ -198,6 +206,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::FlakeBins(ndf) => ndf.filter(),
             Self::SpecularBins(ndf) => ndf.how.filter,
             Self::Lean(ndf) => ndf.filter(),
+            Self::ClusterTree(ndf) => ndf.filter(),
         }
     }
 
@@ -206,6 +215,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::FlakeBins(ndf) => ndf,
             Self::SpecularBins(ndf) => ndf,
             Self::Lean(ndf) => ndf,
+            Self::ClusterTree(ndf) => ndf,
         }
     }
 }

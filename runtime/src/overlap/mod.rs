@@ -117,6 +117,19 @@ impl Parallelogram {
         1.0 / self.area
     }
 
+    /// Both edges, in texels.
+    pub fn edges(&self) -> [[f64; 2]; 2] {
+        [self.edge_1, self.edge_2]
+    }
+
+    /// Where the point (`x`, `y`) lies relative to the centre.
+    pub fn centred(&self, x: f64, y: f64) -> [f64; 2] {
+        [
+            (x - self.cell[0]) - self.centre[0],
+            (y - self.cell[1]) - self.centre[1],
+        ]
+    }
+
     /// Area in texels.
     pub fn area(&self) -> f64 {
         self.area

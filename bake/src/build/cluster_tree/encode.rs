@@ -1,8 +1,8 @@
 //! Writing nodes and leaves: moments and texels, each relative to the box around them.
 
+use super::TileSections;
 use super::moments::Inner;
 use super::split::{self, Item};
-use super::TileSections;
 use glintbake_format::model::{ClusterLevel, ClusterTile, TileShape};
 use glintbake_format::records::{
     ClusterLeaf, ClusterNode, LeafBits, LeafKind, PALETTE_UNIT, TileRoot,

@@ -104,8 +104,11 @@ fn all_tiles(level: &ClusterLevel) -> Vec<ClusterTile> {
 impl ClusterSections {
     fn push(&mut self, tile: TileSections) {
         let first = self.fine.len() as u32;
-        self.fine_starts
-            .extend(tile.fine_before.iter().map(|&before| U32::new(first + before)));
+        self.fine_starts.extend(
+            tile.fine_before
+                .iter()
+                .map(|&before| U32::new(first + before)),
+        );
         self.fine.extend(tile.fine);
         self.leaves.extend(tile.leaves);
         self.push_coarse(TileSections {
@@ -207,7 +210,9 @@ fn large_tile(
         if number % columns.len() == 0 {
             rows.push(Vec::new());
         }
-        rows.last_mut().expect("a row was just begun").push(sections);
+        rows.last_mut()
+            .expect("a row was just begun")
+            .push(sections);
         clusters.extend(own);
     }
     let sections = if whole {

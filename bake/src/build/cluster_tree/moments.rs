@@ -82,7 +82,10 @@ impl Inner {
             squares[1] / count - means[0] * means[1],
             variance(squares[2], means[1]),
         ];
-        all.place_variance = [variance(squares[3], means[2]), variance(squares[4], means[3])];
+        all.place_variance = [
+            variance(squares[3], means[2]),
+            variance(squares[4], means[3]),
+        ];
         all
     }
 

@@ -56,7 +56,11 @@ fn widest(items: &[Item], worth: f64) -> usize {
         for axis in 0..2 {
             let value = item.normal[axis];
             low[axis] = if value < low[axis] { value } else { low[axis] };
-            high[axis] = if value > high[axis] { value } else { high[axis] };
+            high[axis] = if value > high[axis] {
+                value
+            } else {
+                high[axis]
+            };
             least[axis] = least[axis].min(item.place[axis]);
             most[axis] = most[axis].max(item.place[axis]);
         }

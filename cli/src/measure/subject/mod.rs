@@ -3,6 +3,7 @@
 //! A method joins reports and stress checks by one file here and one row of [`REGISTRY`].
 
 mod chart;
+mod cluster_tree;
 mod draw;
 mod flake_bins;
 mod lean;
@@ -17,7 +18,7 @@ use glintbake_bake::MethodRecipe;
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::oracle::{TexelWeight, texel_weights};
 use glintbake_format::model::{Filter, Footprint, HalfVector, Method};
-use glintbake_runtime::{Instance, QueryError, Setting, SurfaceNdf};
+use glintbake_runtime::{Accuracy, Instance, QueryError, Setting, SurfaceNdf};
 use std::f64::consts::PI;
 
 /// Every method, in the order of its code.
@@ -25,6 +26,7 @@ pub const REGISTRY: &[&dyn Subject] = &[
     &flake_bins::FlakeBins,
     &specular_bins::SpecularBins,
     &lean::Lean,
+    &cluster_tree::ClusterTree,
 ];
 
 /// The subject of `method`.
@@ -173,7 +175,7 @@ pub struct Variant {
     pub recipe: MethodRecipe,
     /// The setting of queries, if the method has any.
     pub setting: Option<Setting>,
-    /// The tolerance of Gaussian footprints, if it is not the default.
+    /// The tolerance of Gaussian footprints, or the eps of `cluster-tree`, if it is not the default.
     pub tolerance: Option<f64>,
 }
 
@@ -201,7 +203,12 @@ impl Variant {
     ) -> Result<SurfaceNdf<'a>, QueryError> {
         let mut ndf = ndf.with_filter(filter);
         if let Some(tolerance) = self.tolerance {
-            ndf = ndf.with_tolerance(tolerance);
+            ndf = match ndf {
+                SurfaceNdf::ClusterTree(ndf) => {
+                    SurfaceNdf::ClusterTree(ndf.with_accuracy(Accuracy::Fast(tolerance)))
+                }
+                other => other.with_tolerance(tolerance),
+            };
         }
         match self.setting {
             Some(setting) => ndf.with_setting(setting),

@@ -1,0 +1,310 @@
+//! Which tiles a footprint meets: the coarsest that serve, down to those with leaves.
+
+use super::lobe::Lobe;
+use super::region::{BoxRegion, GaussianRegion, Origin, Region};
+use super::walk::{Sink, Walk};
+use crate::error::QueryError;
+use crate::overlap::{GaussianFootprint, Parallelogram, Probe, TexelBox};
+use crate::scan::MapShape;
+use glintbake_format::model::{ClusterLayout, ClusterLevel, ClusterTile};
+use glintbake_format::view::ClusterTree;
+
+/// When tiles without leaves may stand for their texels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Coarse {
+    /// The greatest root mean square spread of normals within bottom clusters.
+    pub spread: f32,
+    /// The greatest spread of any of them.
+    pub most: f32,
+}
+
+/// A copy of the map, or of the plane if it is clamped.
+#[derive(Clone, Copy, Debug)]
+struct Copy {
+    /// First texel.
+    texel: [i64; 2],
+}
+
+/// What a tile is to a footprint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    Outside,
+    Inside,
+    Cut,
+}
+
+/// Descends from the level `top`: `place` tells how a tile lies, `serves` whether one without leaves will do.
+struct Descent<'c, 'a, P> {
+    tree: &'c ClusterTree<'a>,
+    coarse: Coarse,
+    place: P,
+    /// The box around the footprint, in texels of the endless plane.
+    bounds: TexelBox,
+    /// Whether tiles that are cut may be coarse.
+    cut_coarse: bool,
+    copy: Copy,
+}
+
+impl<P: Fn(&ClusterTile, [i64; 2]) -> Place> Descent<'_, '_, P> {
+    /// Visits the tiles of `level` in the columns and rows of `range` that the footprint meets.
+    fn visit(
+        &self,
+        number: u32,
+        range: [[u32; 2]; 2],
+        known_inside: bool,
+        emit: &mut dyn FnMut(&ClusterLevel, &ClusterTile, [i64; 2], bool) -> Result<(), QueryError>,
+    ) -> Result<(), QueryError> {
+        let level = self.tree.layout.level(number);
+        let [[from_x, to_x], [from_y, to_y]] = self.clip(&level, range);
+        for row in from_y..to_y {
+            for column in from_x..to_x {
+                let tile = level.tile(column, row);
+                let texel = [
+                    self.copy.texel[0] + i64::from(tile.origin[0]),
+                    self.copy.texel[1] + i64::from(tile.origin[1]),
+                ];
+                let place = if known_inside {
+                    Place::Inside
+                } else {
+                    (self.place)(&tile, texel)
+                };
+                let inside = place == Place::Inside;
+                if place == Place::Outside {
+                    continue;
+                }
+                if number == 0 || ((inside || self.cut_coarse) && self.serves(&tile)?) {
+                    emit(&level, &tile, texel, inside)?;
+                } else {
+                    let finer = [[4 * column, 4 * column + 4], [4 * row, 4 * row + 4]];
+                    self.visit(number - 1, finer, inside, emit)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn serves(&self, tile: &ClusterTile) -> Result<bool, QueryError> {
+        let root = self.tree.root(tile)?;
+        Ok(root.spread.get() <= self.coarse.spread && root.most.get() <= self.coarse.most)
+    }
+
+    /// The part of `range` that the bounds reach.
+    fn clip(&self, level: &ClusterLevel, range: [[u32; 2]; 2]) -> [[u32; 2]; 2] {
+        let side = f64::from(level.side);
+        let axis = |low: f64, high: f64, copy: i64, [from, to]: [u32; 2], tiles: u32| {
+            // Casts saturate.
+            let first = ((low - copy as f64) / side - 1e-6) as u32;
+            let last = ((high - copy as f64) / side + 1e-6) as u32;
+            [from.max(first), to.min(tiles).min(last.saturating_add(1))]
+        };
+        let [columns, rows] = range;
+        let TexelBox { low, high } = self.bounds;
+        [
+            axis(low[0], high[0], self.copy.texel[0], columns, level.tiles[0]),
+            axis(low[1], high[1], self.copy.texel[1], rows, level.tiles[1]),
+        ]
+    }
+}
+
+/// The coarsest level of which a tile may lie in a box of `size` texels.
+fn top(layout: ClusterLayout, size: [f64; 2]) -> u32 {
+    let fits = |number: &u32| {
+        let level = layout.level(*number);
+        // A map smaller than a tile is one.
+        let [width, height] = layout
+            .map_size()
+            .map(|size| f64::from(size.min(level.side)));
+        size[0] >= width && size[1] >= height
+    };
+    (1..layout.levels()).rev().find(fits).unwrap_or(0)
+}
+
+const ALL: [[u32; 2]; 2] = [[0, u32::MAX]; 2];
+
+fn offset([x, y]: [f64; 2]) -> [f32; 2] {
+    [x as f32, y as f32]
+}
+
+/// Hands `walk` the tiles under the parallelogram of `region`, and what is inside as a whole.
+#[inline(never)]
+pub(super) fn under_box<L: Lobe, S: Sink>(
+    shape: MapShape,
+    tree: &ClusterTree<'_>,
+    region: &BoxRegion<'_>,
+    coarse: Coarse,
+    walk: &mut Walk<'_, '_, BoxRegion<'_>, L, S>,
+) -> Result<(), QueryError> {
+    let footprint = region.footprint;
+    let bounds = footprint.bounds();
+    let size = [
+        bounds.high[0] - bounds.low[0],
+        bounds.high[1] - bounds.low[1],
+    ];
+    let number = top(tree.layout, size);
+    let whole = for_each_copy(shape, footprint, &mut |copy| {
+        let descent = Descent {
+            tree,
+            coarse,
+            bounds,
+            cut_coarse: false,
+            copy: Copy { texel: copy },
+            place: |tile: &ClusterTile, texel: [i64; 2]| {
+                let low = [texel[0] as f64, texel[1] as f64];
+                let relation = Probe::new(footprint, region.outline).relation(&TexelBox {
+                    low,
+                    high: [
+                        low[0] + f64::from(tile.size[0]),
+                        low[1] + f64::from(tile.size[1]),
+                    ],
+                });
+                if relation.inside {
+                    Place::Inside
+                } else if relation.crossing {
+                    Place::Cut
+                } else {
+                    Place::Outside
+                }
+            },
+        };
+        descent.visit(number, ALL, false, &mut |level, tile, texel, inside| {
+            let origin = Origin {
+                texel,
+                offset: offset(footprint.centred(texel[0] as f64, texel[1] as f64)),
+            };
+            walk.tile(tile, origin, level.unit(), inside, 1.0, level.number == 0)
+        })
+    })?;
+    if whole > 0 {
+        whole_map(tree, coarse, whole as f32, walk)?;
+    }
+    walk.run()
+}
+
+/// Hands `walk` all tiles, each `copies` times.
+pub(super) fn whole_map<R: Region, L: Lobe, S: Sink>(
+    tree: &ClusterTree<'_>,
+    coarse: Coarse,
+    copies: f32,
+    walk: &mut Walk<'_, '_, R, L, S>,
+) -> Result<(), QueryError> {
+    let [width, height] = tree.layout.map_size().map(f64::from);
+    let descent = Descent {
+        tree,
+        coarse,
+        bounds: TexelBox {
+            low: [0.0; 2],
+            high: [width, height],
+        },
+        cut_coarse: false,
+        copy: Copy { texel: [0; 2] },
+        place: |_: &ClusterTile, _: [i64; 2]| Place::Inside,
+    };
+    let number = tree.layout.levels() - 1;
+    descent.visit(number, ALL, true, &mut |level, tile, texel, _| {
+        let origin = Origin {
+            texel,
+            offset: [0.0; 2],
+        };
+        walk.tile(tile, origin, level.unit(), true, copies, level.number == 0)
+    })
+}
+
+/// Calls `visit` with the first texel of each copy of the map that is cut by `footprint`; returns the number of those inside.
+fn for_each_copy(
+    shape: MapShape,
+    footprint: &Parallelogram,
+    visit: &mut dyn FnMut([i64; 2]) -> Result<(), QueryError>,
+) -> Result<u64, QueryError> {
+    if shape.wrap == glintbake_format::model::Wrap::Clamp || shape.holds(footprint) {
+        visit([0; 2])?;
+        return Ok(0);
+    }
+    let (width, height) = (f64::from(shape.width), f64::from(shape.height));
+    let mut whole = 0_u64;
+    for row in footprint.rows(height) {
+        let span = footprint.row_span(row as f64, width, height);
+        whole += span.inside.end.abs_diff(span.inside.start);
+        for column in span.touched.clone() {
+            if !span.inside.contains(&column) {
+                visit([
+                    column * i64::from(shape.width),
+                    row * i64::from(shape.height),
+                ])?;
+            }
+        }
+    }
+    Ok(whole)
+}
+
+/// Hands `walk` the tiles that the Gaussian of `region` reaches within `limit` of its exponent.
+#[inline(never)]
+pub(super) fn under_gaussian<L: Lobe, S: Sink>(
+    shape: MapShape,
+    tree: &ClusterTree<'_>,
+    footprint: &GaussianFootprint,
+    region: &GaussianRegion<'_>,
+    coarse: Coarse,
+    limit: f32,
+    walk: &mut Walk<'_, '_, GaussianRegion<'_>, L, S>,
+) -> Result<(), QueryError> {
+    let radius = libm::sqrt(2.0 * f64::from(limit));
+    let [xx, yy, _] = footprint.covariance();
+    let reach = [
+        radius * libm::sqrt(xx + 1.0) + 1.0,
+        radius * libm::sqrt(yy + 1.0) + 1.0,
+    ];
+    let [x, y] = footprint.centred(0.0, 0.0).map(|x| -x);
+    let bounds = TexelBox {
+        low: [x - reach[0], y - reach[1]],
+        high: [x + reach[0], y + reach[1]],
+    };
+    // A tile in which the Gaussian hardly bends may be taken by its clusters.
+    let least = footprint.least_deviation();
+    let number = (1..tree.layout.levels())
+        .rev()
+        .find(|&number| f64::from(tree.layout.level(number).side) <= least)
+        .unwrap_or(0);
+    let size = [i64::from(shape.width), i64::from(shape.height)];
+    let copies = |axis: usize| {
+        let (low, high, size) = match axis {
+            0 => (bounds.low[0], bounds.high[0], size[0]),
+            _ => (bounds.low[1], bounds.high[1], size[1]),
+        };
+        if shape.wrap == glintbake_format::model::Wrap::Clamp {
+            return 0..1;
+        }
+        let first = libm::floor(low / size as f64) as i64;
+        first..libm::floor(high / size as f64) as i64 + 1
+    };
+    for row in copies(1) {
+        for column in copies(0) {
+            let copy = [column * size[0], row * size[1]];
+            let relative = |texel: [i64; 2]| footprint.centred(texel[0] as f64, texel[1] as f64);
+            let descent = Descent {
+                tree,
+                coarse,
+                bounds,
+                cut_coarse: true,
+                copy: Copy { texel: copy },
+                place: |tile: &ClusterTile, texel: [i64; 2]| {
+                    let low = relative(texel);
+                    let half = tile.size.map(|size| 0.5 * f64::from(size));
+                    let middle = [low[0] + half[0], low[1] + half[1]];
+                    if region.least(middle, half) > limit {
+                        Place::Outside
+                    } else {
+                        Place::Cut
+                    }
+                },
+            };
+            descent.visit(number, ALL, false, &mut |level, tile, texel, _| {
+                let origin = Origin {
+                    texel,
+                    offset: offset(relative(texel)),
+                };
+                walk.tile(tile, origin, level.unit(), false, 1.0, level.number == 0)
+            })?;
+        }
+    }
+    walk.run()
+}

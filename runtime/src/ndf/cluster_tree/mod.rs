@@ -1,0 +1,435 @@
+//! `cluster-tree`: one structure for every roughness, both kernels and both kinds of footprint.
+//!
+//! This project's own: docs/cluster-tree.md has the structure, the analysis of errors and the comparison with the papers.
+//! `D(s) = Σ_k w_k K(s - t_k)` is a sum over points of position and normal. A tree over these points keeps, for each
+//! cluster, a box and the moments of its normals, which answer for any kernel much wider than the cluster:
+//!
+//! - a cluster whose normals are all too far from s, or that the footprint misses, is *skipped*;
+//! - one that is narrow beside the kernel, and under one weight of the footprint, is *accepted* as a Gaussian;
+//! - any other is *opened*, in the end down to single texels with their own normals and exact weights.
+//!
+//! ```text
+//! footprint ──cover──► tiles ──walk──► clusters and texels ──lobe──► D, facets
+//!                                 region: weights
+//! ```
+
+mod accuracy;
+mod border;
+mod cover;
+mod find;
+mod lanes;
+mod lobe;
+mod region;
+mod walk;
+
+pub use accuracy::Accuracy;
+
+use super::bin_weights::check_finite;
+use super::{Facet, Ndf};
+use crate::error::QueryError;
+use crate::microfacet::{Masking, beckmann};
+use crate::overlap::{GaussianFootprint, Outline, Parallelogram};
+use crate::scan::MapShape;
+use accuracy::Knobs;
+use core::f64::consts::{PI, TAU};
+use cover::{under_box, under_gaussian, whole_map};
+use glintbake_format::model::{
+    Filter, Footprint, HalfVector, Kernel, Wrap, intrinsic_from_beckmann,
+};
+use glintbake_format::records::Instance;
+use glintbake_format::view::ClusterTree as Tree;
+use glintbake_format::{Container, Fault, Finding};
+use lanes::{LANES, Lanes, Texels};
+use lobe::{Beckmann, Disk, Lobe};
+use region::{BoxRegion, GaussianRegion, Region};
+use walk::{Centre, Sink, Walk};
+
+/// Least deviation of a Gaussian, in tiles, from which its copies add up to the same everywhere, within 6e-9.
+const EVEN_DEVIATION: f64 = 1.0;
+
+/// The P-NDF of a `cluster-tree` instance.
+#[derive(Clone, Copy, Debug)]
+pub struct ClusterTree<'a> {
+    instance: Instance,
+    tree: Tree<'a>,
+    masking: Masking<'a>,
+    kernel: Kernel,
+    /// Beckmann's α.
+    roughness: f64,
+    pub(super) filter: Filter,
+    accuracy: Accuracy,
+}
+
+impl<'a> ClusterTree<'a> {
+    /// The least and the greatest Beckmann roughness α it answers for.
+    pub const ROUGHNESS: [f64; 2] = [1e-4, 1.0];
+
+    /// The P-NDF of `instance` of `container`, which must have been baked for this method.
+    ///
+    /// # Errors
+    /// [`QueryError::Damaged`] if a section is missing or of the wrong size.
+    pub fn open(container: &Container<'a>, instance: &Instance) -> Result<Self, QueryError> {
+        let roughness = instance
+            .roughness
+            .ok_or(Finding::new(Fault::InstanceField))?;
+        Ok(Self {
+            instance: *instance,
+            tree: Tree::of_map(container, instance)?,
+            masking: Masking::of_map(container, instance)?,
+            kernel: instance.kernel(),
+            roughness,
+            filter: instance.filter,
+            accuracy: Accuracy::default(),
+        })
+    }
+
+    /// The same P-NDF for Beckmann roughness `alpha` (intrinsic roughness α / √2), whatever was baked; the instance's unless this
+    /// says otherwise. Nothing is computed ahead, so every call may have another.
+    ///
+    /// # Errors
+    /// [`QueryError::RoughnessRange`] if `alpha` does not lie between 1e-4 and 1.
+    pub fn with_roughness(mut self, alpha: f64) -> Result<Self, QueryError> {
+        let [least, most] = Self::ROUGHNESS;
+        // Written so that NaN is refused.
+        if !(alpha >= least && alpha <= most) {
+            return Err(QueryError::RoughnessRange { least, most });
+        }
+        self.roughness = alpha;
+        self.instance.roughness = Some(alpha);
+        Ok(self)
+    }
+
+    /// The same P-NDF of another kernel, Beckmann's or the disk's; that of the instance unless this says otherwise.
+    ///
+    /// # Errors
+    /// [`QueryError::KernelUnsupported`] of the average over bins, which this method does not have.
+    pub fn with_kernel(mut self, kernel: Kernel) -> Result<Self, QueryError> {
+        if kernel == Kernel::BinAverage {
+            return Err(QueryError::KernelUnsupported(self.instance.method));
+        }
+        self.kernel = kernel;
+        Ok(self)
+    }
+
+    /// The same P-NDF under another filter; that of the instance unless this says otherwise.
+    #[must_use]
+    pub fn with_filter(mut self, filter: Filter) -> Self {
+        self.filter = filter;
+        self
+    }
+
+    /// The same P-NDF within another error; [`Accuracy::default`] unless this says otherwise.
+    #[must_use]
+    pub fn with_accuracy(mut self, accuracy: Accuracy) -> Self {
+        self.accuracy = accuracy;
+        self
+    }
+
+    /// The kernel densities are of.
+    pub const fn kernel(&self) -> Kernel {
+        self.kernel
+    }
+
+    /// Beckmann's roughness α of the kernel; its σr is α / √2.
+    pub const fn roughness(&self) -> f64 {
+        self.roughness
+    }
+
+    /// The filter that weighs footprints.
+    pub const fn filter(&self) -> Filter {
+        self.filter
+    }
+
+    /// The error asked for.
+    pub const fn accuracy(&self) -> Accuracy {
+        self.accuracy
+    }
+
+    fn shape(&self) -> MapShape {
+        MapShape {
+            width: self.instance.width,
+            height: self.instance.height,
+            wrap: self.instance.wrap,
+        }
+    }
+
+    /// Hands `sink` all that adds to the density at `half_vector`, in units of the peak.
+    fn sum<S: Sink>(
+        &self,
+        footprint: &Footprint,
+        half_vector: HalfVector,
+        sink: S,
+    ) -> Result<S, QueryError> {
+        let sigma = intrinsic_from_beckmann(self.roughness);
+        let centre = Centre {
+            point: [half_vector.s, half_vector.t],
+            scale: 1.0 / sigma,
+        };
+        match self.kernel {
+            Kernel::Disk => self.under(footprint, half_vector, centre, Disk, sink),
+            Kernel::Beckmann | Kernel::BinAverage => {
+                let lobe = Beckmann::new(half_vector, sigma);
+                self.under(footprint, half_vector, centre, lobe, sink)
+            }
+        }
+    }
+
+    fn under<L: Lobe, S: Sink>(
+        &self,
+        footprint: &Footprint,
+        half_vector: HalfVector,
+        centre: Centre,
+        lobe: L,
+        sink: S,
+    ) -> Result<S, QueryError> {
+        let (shape, tree) = (self.shape(), &self.tree);
+        let sigma = 1.0 / centre.scale;
+        let knobs = Knobs::of(self.accuracy, self.filter);
+        let coarse = knobs.coarse(sigma);
+        match self.filter {
+            Filter::Box => {
+                let placed = Parallelogram::new(footprint, shape.width, shape.height, shape.wrap)?;
+                if !half_vector.is_on_disk() {
+                    return Ok(sink);
+                }
+                let outline = Outline::new(&placed);
+                let region = BoxRegion::new(&placed, outline.as_ref());
+                let mut walk = Walk::new(tree, &region, lobe, centre, knobs.limits, sink);
+                walk.set_unit(region.unit());
+                under_box(shape, tree, &region, coarse, &mut walk)?;
+                if shape.wrap == Wrap::Clamp && !shape.holds(&placed) {
+                    border::under_box(tree, &placed, &mut walk)?;
+                }
+                Ok(walk.sink)
+            }
+            Filter::Gaussian => {
+                let placed =
+                    GaussianFootprint::new(footprint, shape.width, shape.height, shape.wrap)?;
+                if !half_vector.is_on_disk() {
+                    return Ok(sink);
+                }
+                let region = GaussianRegion::new(&placed, knobs.weight);
+                let mut walk = Walk::new(tree, &region, lobe, centre, knobs.limits, sink);
+                let size = [f64::from(shape.width), f64::from(shape.height)];
+                if shape.wrap == Wrap::Repeat
+                    && placed.least_deviation_in_tiles(size[0], size[1]) >= EVEN_DEVIATION
+                {
+                    walk.set_unit(1.0 / (size[0] * size[1]));
+                    whole_map(tree, coarse, 1.0, &mut walk)?;
+                    walk.run()?;
+                    return Ok(walk.sink);
+                }
+                walk.set_unit(region.unit());
+                let limit = knobs.limits.exponent;
+                under_gaussian(shape, tree, &placed, &region, coarse, limit, &mut walk)?;
+                if shape.wrap == Wrap::Clamp {
+                    border::under_gaussian(tree, &placed, &mut walk)?;
+                }
+                Ok(walk.sink)
+            }
+        }
+    }
+
+    /// The density of the kernel at its middle: 1 / (π α²) = 1 / (2π σr²).
+    fn peak(&self) -> f64 {
+        1.0 / (PI * self.roughness * self.roughness)
+    }
+
+    /// The texel, of the map, that two numbers in [0, 1) choose by the footprint's weight.
+    fn texel_under(
+        &self,
+        footprint: &Footprint,
+        uniform: [f64; 2],
+    ) -> Result<(u32, u32), QueryError> {
+        let shape = self.shape();
+        Ok(match self.filter {
+            Filter::Box => {
+                let placed = Parallelogram::new(footprint, shape.width, shape.height, shape.wrap)?;
+                shape.texel_at(&placed, uniform[0] - 0.5, uniform[1] - 0.5)
+            }
+            Filter::Gaussian => {
+                let placed =
+                    GaussianFootprint::new(footprint, shape.width, shape.height, shape.wrap)?;
+                shape.fold(placed.sample(uniform))
+            }
+        })
+    }
+}
+
+/// A sum of terms: in single precision by lane for a while, then in double precision.
+#[derive(Clone, Copy, Debug)]
+struct Sum {
+    unit: f64,
+    lanes: Lanes,
+    clusters: f32,
+    total: f64,
+}
+
+impl Sink for Sum {
+    #[inline(always)]
+    fn unit(&mut self, unit: f64) {
+        self.unit = unit;
+    }
+
+    #[inline(always)]
+    fn texels(&mut self, terms: &Lanes, _: &Lanes, _: &Texels) {
+        for (sum, term) in self.lanes.iter_mut().zip(terms) {
+            *sum += term;
+        }
+    }
+
+    #[inline(always)]
+    fn cluster(&mut self, term: f32, _: f32, _: [f32; 2]) {
+        self.clusters += term;
+    }
+
+    fn exact(&mut self, term: f64, _: f64, _: [f64; 2]) {
+        self.total += term;
+    }
+
+    fn flush(&mut self) {
+        let lanes: f64 = self.lanes.iter().map(|&sum| f64::from(sum)).sum();
+        self.total += (lanes + f64::from(self.clusters)) * self.unit;
+        self.lanes = [0.0; LANES];
+        self.clusters = 0.0;
+    }
+}
+
+/// Terms as facets.
+struct Visit<'v> {
+    visit: &'v mut dyn FnMut(Facet),
+    half_vector: HalfVector,
+    sigma: f64,
+    peak: f64,
+    unit: f64,
+}
+
+impl Visit<'_> {
+    fn facet(&mut self, term: f64, weight: f64, offset: [f64; 2]) {
+        if term > 0.0 && weight > 0.0 {
+            let normal = HalfVector {
+                s: self.half_vector.s + offset[0] * self.sigma,
+                t: self.half_vector.t + offset[1] * self.sigma,
+            };
+            (self.visit)(Facet {
+                normal: normal.direction(),
+                density: term / weight * self.peak,
+                weight,
+            });
+        }
+    }
+}
+
+impl Sink for Visit<'_> {
+    fn unit(&mut self, unit: f64) {
+        self.unit = unit;
+    }
+
+    fn texels(&mut self, terms: &Lanes, weights: &Lanes, texels: &Texels) {
+        let normals = texels.s.iter().zip(&texels.t);
+        for ((&term, &weight), (&s, &t)) in terms.iter().zip(weights).zip(normals) {
+            let unit = self.unit;
+            let offset = [f64::from(s), f64::from(t)];
+            self.facet(f64::from(term) * unit, f64::from(weight) * unit, offset);
+        }
+    }
+
+    fn cluster(&mut self, term: f32, weight: f32, mean: [f32; 2]) {
+        let unit = self.unit;
+        let offset = mean.map(f64::from);
+        self.facet(f64::from(term) * unit, f64::from(weight) * unit, offset);
+    }
+
+    fn exact(&mut self, term: f64, weight: f64, offset: [f64; 2]) {
+        self.facet(term, weight, offset);
+    }
+
+    fn flush(&mut self) {}
+}
+
+impl Ndf for ClusterTree<'_> {
+    fn instance(&self) -> &Instance {
+        &self.instance
+    }
+
+    fn masking(&self) -> Masking<'_> {
+        self.masking
+    }
+
+    /// Visits a facet for each texel that is near enough, and one for each cluster that stands for its texels.
+    fn facets(
+        &self,
+        footprint: &Footprint,
+        half_vector: HalfVector,
+        visit: &mut dyn FnMut(Facet),
+    ) -> Result<(), QueryError> {
+        check_finite(half_vector)?;
+        let sink = Visit {
+            visit,
+            half_vector,
+            sigma: intrinsic_from_beckmann(self.roughness),
+            peak: self.peak(),
+            unit: 1.0,
+        };
+        self.sum(footprint, half_vector, sink)?;
+        Ok(())
+    }
+
+    fn eval(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError> {
+        check_finite(half_vector)?;
+        let sum = Sum {
+            unit: 1.0,
+            lanes: [0.0; LANES],
+            clusters: 0.0,
+            total: 0.0,
+        };
+        let sum = self.sum(footprint, half_vector, sum)?;
+        Ok(sum.total * self.peak())
+    }
+
+    fn sample(
+        &self,
+        footprint: &Footprint,
+        uniform: [f64; 4],
+    ) -> Result<Option<HalfVector>, QueryError> {
+        let [first, second, third, fourth] = uniform;
+        let (column, row) = self.texel_under(footprint, [first, second])?;
+        let [s, t] = find::normal(&self.tree, column, row)?;
+        let normal = HalfVector { s, t };
+        let drawn = match self.kernel {
+            Kernel::Disk => {
+                // Box and Muller 1958; σr √(-2 ln(1 - ξ)) is α √(-ln(1 - ξ)).
+                let radius = self.roughness * libm::sqrt(-libm::log1p(-third));
+                let (sine, cosine) = libm::sincos(TAU * fourth);
+                HalfVector {
+                    s: s + radius * cosine,
+                    t: t + radius * sine,
+                }
+            }
+            Kernel::Beckmann | Kernel::BinAverage => {
+                let direction =
+                    beckmann::sample(normal.direction(), self.roughness, [third, fourth]);
+                if direction[2] <= 0.0 {
+                    return Ok(None);
+                }
+                HalfVector::from_direction(direction)
+            }
+        };
+        Ok(drawn.is_on_disk().then_some(drawn))
+    }
+
+    /// Of the disk's kernel `D (h·n)` with the surface's normal n; of Beckmann's the sum of its terms times (h·t_k).
+    fn pdf(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError> {
+        let direction = half_vector.direction();
+        if self.kernel == Kernel::Disk {
+            let [.., cosine] = direction;
+            return Ok(self.eval(footprint, half_vector)? * cosine);
+        }
+        let mut sum = 0.0;
+        self.facets(footprint, half_vector, &mut |facet| {
+            let cosine = crate::microfacet::vector::dot(direction, facet.normal);
+            sum += facet.density * facet.weight * cosine.max(0.0);
+        })?;
+        Ok(sum)
+    }
+}

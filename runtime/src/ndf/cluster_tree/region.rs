@@ -1,0 +1,365 @@
+//! The footprint as nodes and leaves see it: which boxes of texels it misses, covers or cuts, and what it weighs them.
+//!
+//! Boxes are tested in single precision relative to the footprint's centre, with slack for all rounding: what is in doubt counts
+//! as cut, and texels that are cut are weighed exactly, in double precision.
+
+use super::lanes::{Child, Lanes, Places, Texels, each, get, max};
+use crate::overlap::{GaussianFootprint, Outline, Parallelogram, TexelBox};
+
+/// Rounding of a coordinate relative to the footprint's or tile's size, with a margin.
+const SLACK: f32 = 2e-6;
+
+/// A tile of the tree as the footprint sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Origin {
+    /// First column and row, tile copies counted on.
+    pub texel: [i64; 2],
+    /// The same relative to the footprint's centre, in texels.
+    pub offset: [f32; 2],
+}
+
+/// How sixteen boxes lie: a bit each.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Relations {
+    /// May hold weight.
+    pub meets: u32,
+    /// All its texels have one weight.
+    pub inside: u32,
+}
+
+/// A footprint.
+pub(super) trait Region {
+    /// How boxes lie whose normals are at least `exponents` away; those beyond `limit` in all are missed.
+    fn relations(&self, places: &Places, exponents: &Lanes, limit: f32) -> Relations;
+
+    /// The mean weight of the cluster that `child` tells of, in a tile at `offset` with positions in `unit` texels, if it hardly
+    /// depends on where the cluster's texels lie, or `always`; `exponent` is the least of its normals. Not asked of a cluster
+    /// that is inside.
+    fn cluster_weight(
+        &self,
+        child: &Child,
+        offset: [f32; 2],
+        unit: f32,
+        exponent: f32,
+        always: bool,
+    ) -> Option<f32>;
+
+    /// What texels weigh, in units of [`unit`](Self::unit), those whose bit is set in `wanted`; others any number.
+    fn weights(&self, texels: &Texels, origin: &Origin, first: [u8; 2], wanted: u32) -> Lanes;
+
+    /// The weight of a texel that counts 1 in sums.
+    fn unit(&self) -> f64;
+}
+
+/// A parallelogram.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BoxRegion<'a> {
+    pub footprint: &'a Parallelogram,
+    pub outline: Option<&'a Outline>,
+    /// Unit vectors across each pair of sides; zero for a side without length.
+    across: [[f32; 2]; 2],
+    /// Half the distance of each pair of sides.
+    half: [f32; 2],
+    /// Half the sides of the bounding box.
+    extent: [f32; 2],
+    /// Greatest coordinate that is met, for slack.
+    size: f32,
+    unit: f64,
+}
+
+impl<'a> BoxRegion<'a> {
+    pub fn new(footprint: &'a Parallelogram, outline: Option<&'a Outline>) -> Self {
+        let bounds = footprint.bounds();
+        let extent = [
+            0.5 * (bounds.high[0] - bounds.low[0]),
+            0.5 * (bounds.high[1] - bounds.low[1]),
+        ];
+        let area = footprint.area();
+        let strips = footprint.edges().map(|[x, y]| {
+            let length = libm::sqrt(x * x + y * y);
+            if length > 0.0 {
+                let across = [(-y / length) as f32, (x / length) as f32];
+                (across, (0.5 * area / length) as f32)
+            } else {
+                ([0.0; 2], 0.0)
+            }
+        });
+        Self {
+            footprint,
+            outline,
+            across: strips.map(|(across, _)| across),
+            half: strips.map(|(_, half)| half),
+            extent: extent.map(|extent| extent as f32),
+            size: (extent[0] + extent[1]) as f32 + 1024.0,
+            // Too thin a footprint has no texel inside: its cut ones are weighed as they are.
+            unit: if outline.is_some() {
+                footprint.texel_weight()
+            } else {
+                1.0
+            },
+        }
+    }
+
+    /// The exact weight of the texel in `column` and `row`, tile copies counted on, in units of [`Region::unit`].
+    fn exact(&self, column: i64, row: i64) -> f32 {
+        let weight = match self.outline {
+            Some(outline) => {
+                outline.row(self.footprint, row).weight(column) * self.footprint.area()
+            }
+            None => {
+                let low = [column as f64, row as f64];
+                self.footprint.weight(&TexelBox {
+                    low,
+                    high: [low[0] + 1.0, low[1] + 1.0],
+                })
+            }
+        };
+        weight as f32
+    }
+
+    #[inline(always)]
+    fn lanes(&self, places: &Places) -> (Lanes, Lanes) {
+        let [[a_x, a_y], [b_x, b_y]] = self.across;
+        // How far inside the farthest corner, and how far outside the nearest, lies of either pair of sides.
+        let slack = SLACK * self.size;
+        let mut inside = [0.0; super::lanes::LANES];
+        let outside = each(|lane| {
+            let (x, y) = (get(&places.x, lane), get(&places.y, lane));
+            let (half_x, half_y) = (get(&places.half_x, lane), get(&places.half_y, lane));
+            let a = (x * a_x + y * a_y).abs();
+            let b = (x * b_x + y * b_y).abs();
+            let reach_a = half_x * a_x.abs() + half_y * a_y.abs();
+            let reach_b = half_x * b_x.abs() + half_y * b_y.abs();
+            let strips = max(a - reach_a - self.half[0], b - reach_b - self.half[1]);
+            let bounds = max(
+                x.abs() - half_x - self.extent[0],
+                y.abs() - half_y - self.extent[1],
+            );
+            max(strips, bounds) - slack
+        });
+        for (lane, inside) in inside.iter_mut().enumerate() {
+            let (x, y) = (get(&places.x, lane), get(&places.y, lane));
+            let (half_x, half_y) = (get(&places.half_x, lane), get(&places.half_y, lane));
+            let a = (x * a_x + y * a_y).abs() + half_x * a_x.abs() + half_y * a_y.abs();
+            let b = (x * b_x + y * b_y).abs() + half_x * b_x.abs() + half_y * b_y.abs();
+            *inside = max(a - self.half[0], b - self.half[1]) + slack;
+        }
+        (outside, inside)
+    }
+}
+
+impl Region for BoxRegion<'_> {
+    #[inline(always)]
+    fn relations(&self, places: &Places, _: &Lanes, _: f32) -> Relations {
+        let (outside, inside) = self.lanes(places);
+        let inside = if self.outline.is_some() {
+            super::lanes::at_most(&inside, 0.0)
+        } else {
+            0
+        };
+        Relations {
+            meets: super::lanes::at_most(&outside, 0.0),
+            inside,
+        }
+    }
+
+    #[inline(always)]
+    fn cluster_weight(&self, _: &Child, _: [f32; 2], _: f32, _: f32, _: bool) -> Option<f32> {
+        None
+    }
+
+    #[inline(always)]
+    fn weights(&self, texels: &Texels, origin: &Origin, first: [u8; 2], wanted: u32) -> Lanes {
+        let [first_x, first_y] = first.map(f32::from);
+        let corner = [
+            origin.offset[0] + first_x + 0.5,
+            origin.offset[1] + first_y + 0.5,
+        ];
+        let places = Places {
+            x: each(|lane| corner[0] + get(&texels.x, lane)),
+            y: each(|lane| corner[1] + get(&texels.y, lane)),
+            half_x: [0.5; super::lanes::LANES],
+            half_y: [0.5; super::lanes::LANES],
+        };
+        let Relations { meets, inside } = self.relations(&places, &[0.0; 16], 0.0);
+        let mut weights = each(|lane| if inside >> lane & 1 == 1 { 1.0 } else { 0.0 });
+        let mut cut = meets & !inside & wanted;
+        while cut != 0 {
+            let lane = cut.trailing_zeros() as usize;
+            cut &= cut - 1;
+            // Whole numbers below 128.
+            let column = get(&texels.x, lane) as i64 + i64::from(first[0]) + origin.texel[0];
+            let row = get(&texels.y, lane) as i64 + i64::from(first[1]) + origin.texel[1];
+            let weight = self.exact(column, row);
+            if let Some(slot) = weights.get_mut(lane) {
+                *slot = weight;
+            }
+        }
+        weights
+    }
+
+    fn unit(&self) -> f64 {
+        self.unit
+    }
+}
+
+/// A Gaussian.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct GaussianRegion<'a> {
+    footprint: &'a GaussianFootprint,
+    /// `|L x|²` is the squared distance from the centre in standard deviations: rows of L, of the Gaussian and a texel convolved.
+    root: [[f32; 2]; 2],
+    /// Covariance of the Gaussian and a texel convolved: xx, yy, xy.
+    covariance: [f32; 3],
+    /// Root of its determinant.
+    area: f32,
+    /// Whether the convolution is a texel's weight; else that is integrated.
+    is_smooth: bool,
+    /// How far the exponent may range over a cluster that is taken as a whole.
+    tolerance: f32,
+    unit: f64,
+}
+
+impl<'a> GaussianRegion<'a> {
+    pub fn new(footprint: &'a GaussianFootprint, tolerance: f64) -> Self {
+        let [xx, yy, xy] = footprint.covariance();
+        // Of a texel, 1/12 in either direction.
+        let texel = 1.0 / 12.0;
+        let determinant = footprint.determinant_root() * footprint.determinant_root()
+            + texel * (xx + yy)
+            + texel * texel;
+        let (xx, yy) = (xx + texel, yy + texel);
+        let deviation = libm::sqrt(xx);
+        let root = libm::sqrt(determinant);
+        let is_smooth = footprint.is_smooth();
+        Self {
+            footprint,
+            root: [
+                [(1.0 / deviation) as f32, 0.0],
+                [(-xy / (deviation * root)) as f32, (deviation / root) as f32],
+            ],
+            covariance: [xx as f32, yy as f32, xy as f32],
+            area: root as f32,
+            is_smooth,
+            tolerance: tolerance as f32,
+            // A texel at the peak.
+            unit: if is_smooth {
+                1.0 / (core::f64::consts::TAU * root)
+            } else {
+                1.0
+            },
+        }
+    }
+
+    /// Least and greatest exponents over a box.
+    #[inline(always)]
+    fn range(&self, x: f32, y: f32, half_x: f32, half_y: f32) -> (f32, f32) {
+        let [[a, _], [b, c]] = self.root;
+        let (u, v) = ((a * x).abs(), (b * x + c * y).abs());
+        let (reach_u, reach_v) = (a * half_x, b.abs() * half_x + c * half_y);
+        let (low_u, low_v) = (max(u - reach_u, 0.0), max(v - reach_v, 0.0));
+        let (high_u, high_v) = (u + reach_u, v + reach_v);
+        (
+            0.5 * (low_u * low_u + low_v * low_v),
+            0.5 * (high_u * high_u + high_v * high_v),
+        )
+    }
+
+    /// The least exponent over a box of texels, for tiles.
+    pub fn least(&self, middle: [f64; 2], half: [f64; 2]) -> f32 {
+        let (least, _) = self.range(
+            middle[0] as f32,
+            middle[1] as f32,
+            half[0] as f32,
+            half[1] as f32,
+        );
+        least
+    }
+}
+
+impl Region for GaussianRegion<'_> {
+    #[inline(always)]
+    fn relations(&self, places: &Places, exponents: &Lanes, limit: f32) -> Relations {
+        let least = each(|lane| {
+            let (least, _) = self.range(
+                get(&places.x, lane),
+                get(&places.y, lane),
+                get(&places.half_x, lane),
+                get(&places.half_y, lane),
+            );
+            least + get(exponents, lane)
+        });
+        Relations {
+            meets: super::lanes::at_most(&least, limit),
+            inside: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn cluster_weight(
+        &self,
+        child: &Child,
+        offset: [f32; 2],
+        unit: f32,
+        exponent: f32,
+        always: bool,
+    ) -> Option<f32> {
+        if !self.is_smooth {
+            return None;
+        }
+        let sides = child.more.map(|more| unit * (f32::from(more) + 1.0));
+        let low = [
+            offset[0] + unit * f32::from(child.first[0]),
+            offset[1] + unit * f32::from(child.first[1]),
+        ];
+        let (least, most) = self.range(
+            low[0] + 0.5 * sides[0],
+            low[1] + 0.5 * sides[1],
+            0.5 * sides[0],
+            0.5 * sides[1],
+        );
+        // What is small matters less.
+        if !always && most - least > self.tolerance * (1.0 + exponent + least) {
+            return None;
+        }
+        let x = low[0] + child.place[0] * sides[0];
+        let y = low[1] + child.place[1] * sides[1];
+        // The cluster's places as a round Gaussian.
+        let variance = child.place_variance * (sides[0] * sides[0] + sides[1] * sides[1]);
+        let [xx, yy, xy] = self.covariance;
+        let (a, b) = (xx + variance, yy + variance);
+        let determinant = a * b - xy * xy;
+        let root = super::lanes::inverse_root(determinant);
+        let square = (b * x * x - 2.0 * xy * x * y + a * y * y) * root * root;
+        Some(self.area * root * super::lanes::exponential(-0.5 * max(square, 0.0)))
+    }
+
+    #[inline(always)]
+    fn weights(&self, texels: &Texels, origin: &Origin, first: [u8; 2], wanted: u32) -> Lanes {
+        if self.is_smooth {
+            let [[a, _], [b, c]] = self.root;
+            let corner = [
+                origin.offset[0] + f32::from(first[0]) + 0.5,
+                origin.offset[1] + f32::from(first[1]) + 0.5,
+            ];
+            return each(|lane| {
+                let x = corner[0] + get(&texels.x, lane);
+                let y = corner[1] + get(&texels.y, lane);
+                let (u, v) = (a * x, b * x + c * y);
+                super::lanes::exponential(-0.5 * (u * u + v * v))
+            });
+        }
+        each(|lane| {
+            if wanted >> lane & 1 == 0 {
+                return 0.0;
+            }
+            let column = get(&texels.x, lane) as i64 + i64::from(first[0]) + origin.texel[0];
+            let row = get(&texels.y, lane) as i64 + i64::from(first[1]) + origin.texel[1];
+            self.footprint.texel_weight(column, row) as f32
+        })
+    }
+
+    fn unit(&self) -> f64 {
+        self.unit
+    }
+}
