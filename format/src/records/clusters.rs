@@ -66,12 +66,19 @@ pub struct ClusterNode {
     pub deviation_xy: [u8; 16],
 }
 
-/// Sixteen texels of one leaf, or the finer bits of their normals. 64 bytes.
+/// Sixteen texels of one leaf. 64 bytes.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, FromBytes, IntoBytes, Immutable, KnownLayout, Unaligned,
 )]
 #[repr(transparent)]
 pub struct ClusterLeaf(pub [U32; 16]);
+
+/// The finer bits of the normals of a wide leaf: of each texel four of s, and above them four of t. 16 bytes.
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, FromBytes, IntoBytes, Immutable, KnownLayout, Unaligned,
+)]
+#[repr(transparent)]
+pub struct FineBits(pub [u8; 16]);
 
 const _: () = assert!(
     size_of::<TileRoot>() == 24
@@ -88,7 +95,7 @@ pub enum LeafKind {
     Narrow = 0,
     /// Up to four normals, and which of them each texel has.
     Palette = 1,
-    /// As [`Self::Narrow`], with 16 more bits of s and t each in a line of its own.
+    /// As [`Self::Narrow`], with four more bits of s and t each in a record of its own.
     Wide = 2,
 }
 

@@ -9,7 +9,9 @@ mod pyramid;
 
 pub use bins::{BoxRecord, ExactNormal, ForestNode, TexelPosition};
 pub use blocks::{ListStart, PageRecord, TileRecord};
-pub use clusters::{ClusterLeaf, ClusterNode, LeafBits, LeafKind, PALETTE_UNIT, TileRoot};
+pub use clusters::{
+    ClusterLeaf, ClusterNode, FineBits, LeafBits, LeafKind, PALETTE_UNIT, TileRoot,
+};
 pub use instance::{Bins, IndexKind, Instance, InstanceRecord, InverseKind, Structure};
 pub use masking::MaskingValue;
 pub use pyramid::{NarrowMean, SpreadRecord, WideMean};
@@ -90,7 +92,7 @@ const KINDS: &[(FourCc, &[u32])] = &[
     (ROOTS, &[24]),
     (NODES, &[256]),
     (LEAVES, &[64]),
-    (FINE_BITS, &[64]),
+    (FINE_BITS, &[16]),
     (FINE_STARTS, &[4]),
 ];
 

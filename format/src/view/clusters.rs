@@ -5,8 +5,8 @@ use crate::container::Container;
 use crate::finding::{Fault, Finding};
 use crate::model::{ClusterLayout, ClusterTile};
 use crate::records::{
-    ClusterLeaf, ClusterNode, FINE_BITS, FINE_STARTS, Instance, LEAVES, LeafBits, LeafKind, NODES,
-    PALETTE_UNIT, ROOTS, TileRoot,
+    ClusterLeaf, ClusterNode, FINE_BITS, FINE_STARTS, FineBits, Instance, LEAVES, LeafBits,
+    LeafKind, NODES, PALETTE_UNIT, ROOTS, TileRoot,
 };
 use crate::section::SectionId;
 use zerocopy::little_endian::U32;
@@ -25,7 +25,7 @@ pub struct ClusterTree<'a> {
     /// Leaves of the finest tiles.
     pub leaves: &'a [ClusterLeaf],
     /// Finer bits of wide leaves, in the order of these.
-    pub fine: &'a [ClusterLeaf],
+    pub fine: &'a [FineBits],
     /// For each node of the finest tiles, the place in `fine` of its first wide leaf; empty if there is no wide leaf.
     pub fine_starts: &'a [U32],
 }
@@ -194,11 +194,11 @@ impl<'a> ClusterTree<'a> {
                 .fine_place(place, &node.deviation_xy, child)
                 .and_then(|at| self.fine.get(at))
                 .ok_or(self.damaged())?;
-            let finer = word(&fine.0, texel)?;
-            let join = |high: u32, low: u32| f64::from(high) * 65536.0 + f64::from(low);
+            let finer = fine.0.get(texel).copied().ok_or(self.damaged())?;
+            let join = |high: u32, low: u8| f64::from(high) * 16.0 + f64::from(low);
             (
-                [join(s, finer & 0xFFFF), join(t, finer >> 16)],
-                join(bits.most(), 0xFFFF),
+                [join(s, finer & 15), join(t, finer >> 4)],
+                join(bits.most(), 15),
             )
         } else {
             ([f64::from(s), f64::from(t)], f64::from(bits.most()))

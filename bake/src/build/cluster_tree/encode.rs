@@ -5,7 +5,7 @@ use super::moments::Inner;
 use super::split::{self, Item};
 use glintbake_format::model::{ClusterLevel, ClusterTile, TileShape};
 use glintbake_format::records::{
-    ClusterLeaf, ClusterNode, LeafBits, LeafKind, PALETTE_UNIT, TileRoot,
+    ClusterLeaf, ClusterNode, FineBits, LeafBits, LeafKind, PALETTE_UNIT, TileRoot,
 };
 use zerocopy::little_endian::{F32, U32};
 use zerocopy::{FromZeros, IntoBytes};
@@ -33,7 +33,6 @@ pub(super) struct Encoder<'t> {
     sections: TileSections,
     /// The box of each node, by its number in the tile.
     boxes: Vec<NormalBox>,
-    clusters: Vec<(Item, Inner)>,
     /// Sum over texels, and greatest, of the spreads of bottom clusters, squared.
     spread_sum: f64,
     spread_most: f64,
@@ -79,7 +78,6 @@ impl<'t> Encoder<'t> {
                 ..TileSections::default()
             },
             boxes,
-            clusters: Vec::new(),
             spread_sum: 0.0,
             spread_most: 0.0,
         }
@@ -161,15 +159,6 @@ impl<'t> Encoder<'t> {
                 items.sort_unstable_by_key(|item| item.id);
                 let kind = self.leaf(items, own, &moments);
                 self.sections.nodes[number].deviation_xy[child] |= (kind as u8) << 6;
-            } else {
-                self.clusters.push((
-                    Item {
-                        normal: moments.mean.map(|x| x as f32),
-                        place: moments.place.map(|x| x as u16),
-                        id: 0,
-                    },
-                    moments,
-                ));
             }
         }
     }
@@ -274,16 +263,16 @@ impl<'t> Encoder<'t> {
             libm::round(share * most).clamp(0.0, most) as u32
         };
         if step > WIDEST_STEP {
-            let all = f64::from((bits.most() << 16) | 0xFFFF);
-            let mut fine = [0_u32; 16];
+            let all = f64::from(16 * bits.most() + 15);
+            let mut fine = [0_u8; 16];
             for ((word, fine), item) in words.iter_mut().zip(&mut fine).zip(items) {
                 let [s, t] = [0, 1].map(|axis| number(item, axis, all));
                 let [x, y] = place(item);
-                *word = bits.pack(x, y, s >> 16, t >> 16);
-                *fine = (s & 0xFFFF) | (t & 0xFFFF) << 16;
+                *word = bits.pack(x, y, s >> 4, t >> 4);
+                *fine = (s & 15 | (t & 15) << 4) as u8;
             }
             self.sections.leaves.push(ClusterLeaf(words.map(U32::new)));
-            self.sections.fine.push(ClusterLeaf(fine.map(U32::new)));
+            self.sections.fine.push(FineBits(fine));
             return LeafKind::Wide;
         }
         for (word, item) in words.iter_mut().zip(items) {
@@ -294,8 +283,8 @@ impl<'t> Encoder<'t> {
         LeafKind::Narrow
     }
 
-    /// The tile, and its bottom clusters, but on level 0.
-    pub fn finish(mut self) -> (TileSections, Vec<(Item, Inner)>) {
+    /// The tile.
+    pub fn finish(mut self) -> TileSections {
         let texels = f64::from(self.tile.shape.texels);
         if let Some(root) = &mut self.sections.root {
             root.spread = F32::new(((self.spread_sum / texels).sqrt()) as f32);
@@ -305,7 +294,7 @@ impl<'t> Encoder<'t> {
             self.sections.nodes.as_bytes().len(),
             256 * self.tile.shape.nodes() as usize
         );
-        (self.sections, self.clusters)
+        self.sections
     }
 }
 

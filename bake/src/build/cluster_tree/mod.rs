@@ -4,8 +4,8 @@
 //! widest side, where a texel of position is worth [`TEXEL_WORTH`] of a component of a normal; four halvings make the
 //! sixteen children of a node.
 //!
-//! Tiles of 64 and of 256 texels are split texel by texel, tiles of 1024 by the bottom clusters of their tiles of 256. O(N)
-//! in the texels of the map. The same for any number of threads.
+//! Tiles of 64 and of 256 texels are split texel by texel, tiles of 1024 by groups of 16 that their tiles of 256 are split into
+//! further. O(N) in the texels of the map. The same for any number of threads.
 
 mod encode;
 mod moments;
@@ -14,7 +14,7 @@ mod split;
 use crate::normals::NormalMap;
 use encode::Encoder;
 use glintbake_format::model::{CLUSTER_CHILDREN, ClusterLayout, ClusterLevel, ClusterTile};
-use glintbake_format::records::{ClusterLeaf, ClusterNode, TileRoot};
+use glintbake_format::records::{ClusterLeaf, ClusterNode, FineBits, TileRoot};
 use moments::Inner;
 use rayon::prelude::*;
 use split::Item;
@@ -22,9 +22,9 @@ use zerocopy::little_endian::U32;
 
 /// What a texel of position is worth in a tile of 64, as a change of a normal's component: larger values make clusters
 /// compact in position, smaller ones in their normals.
-const TEXEL_WORTH: f64 = 8.0 / 32768.0;
+const TEXEL_WORTH: f64 = 256.0 / 32768.0;
 /// The same in larger tiles, where boxes matter less, times 64 over their side.
-const COARSE_TEXEL_WORTH: f64 = 0.25 * TEXEL_WORTH;
+const COARSE_TEXEL_WORTH: f64 = 2.0 / 32768.0;
 
 /// The sections of a cluster tree.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +36,7 @@ pub struct ClusterSections {
     /// Leaves of the finest tiles.
     pub leaves: Vec<ClusterLeaf>,
     /// Finer bits of wide leaves.
-    pub fine: Vec<ClusterLeaf>,
+    pub fine: Vec<FineBits>,
     /// Places in `fine` by node of the finest tiles; empty if `fine` is.
     pub fine_starts: Vec<U32>,
 }
@@ -47,7 +47,7 @@ struct TileSections {
     root: Option<TileRoot>,
     nodes: Vec<ClusterNode>,
     leaves: Vec<ClusterLeaf>,
-    fine: Vec<ClusterLeaf>,
+    fine: Vec<FineBits>,
     /// Lines of `fine` before each node's.
     fine_before: Vec<u32>,
 }
@@ -71,7 +71,7 @@ pub fn build(map: &NormalMap) -> ClusterSections {
     for row in 0..level.tiles[1] {
         let tiles: Vec<TileSections> = (0..level.tiles[0])
             .into_par_iter()
-            .map(|column| texel_tile(map, &level, &level.tile(column, row)).0)
+            .map(|column| texel_tile(map, &level, &level.tile(column, row)))
             .collect();
         for tile in tiles {
             sections.push(tile);
@@ -84,7 +84,7 @@ pub fn build(map: &NormalMap) -> ClusterSections {
         let level = layout.level(1);
         let tiles: Vec<TileSections> = all_tiles(&level)
             .into_par_iter()
-            .map(|tile| texel_tile(map, &level, &tile).0)
+            .map(|tile| texel_tile(map, &level, &tile))
             .collect();
         for tile in tiles {
             sections.push_coarse(tile);
@@ -150,12 +150,8 @@ impl ClusterSections {
     }
 }
 
-/// The tile of `level` from the texels of `map`, and its bottom clusters.
-fn texel_tile(
-    map: &NormalMap,
-    level: &ClusterLevel,
-    tile: &ClusterTile,
-) -> (TileSections, Vec<(Item, Inner)>) {
+/// The texels of `tile` of `map`.
+fn texels(map: &NormalMap, tile: &ClusterTile) -> Vec<Item> {
     let mut items = Vec::with_capacity(tile.shape.texels as usize);
     let width = map.width() as usize;
     for y in 0..tile.size[1] {
@@ -169,7 +165,37 @@ fn texel_tile(
             });
         }
     }
-    tree(level, tile, &mut items, &[])
+    items
+}
+
+/// The tile of `level` from the texels of `map`.
+fn texel_tile(map: &NormalMap, level: &ClusterLevel, tile: &ClusterTile) -> TileSections {
+    tree(level, tile, &mut texels(map, tile), &[])
+}
+
+/// Texels of the groups that tiles of 1024 are made of.
+const GROUP: usize = 16;
+
+/// The texels of whole tiles, ordered by cluster, split on into groups of [`GROUP`].
+fn groups(items: &mut [Item], level: &ClusterLevel) -> Vec<(Item, Inner)> {
+    let clusters = level.tile(0, 0).shape.clusters as usize;
+    let size = items.len() / clusters;
+    let ends: Vec<usize> = (0..=size / GROUP).map(|group| group * GROUP).collect();
+    let worth = worth(level);
+    let mut groups = Vec::with_capacity(items.len() / GROUP);
+    for cluster in items.chunks_exact_mut(size) {
+        split::split(cluster, &ends, worth);
+        for group in cluster.chunks_exact(GROUP) {
+            let moments = Inner::of(group, &[]);
+            let item = Item {
+                normal: moments.mean.map(|x| x as f32),
+                place: moments.place.map(|x| x as u16),
+                id: 0,
+            };
+            groups.push((item, moments));
+        }
+    }
+    groups
 }
 
 /// Tile number `place` of the level of 1024 texels, and in rows those of the level of 256 in it.
@@ -190,10 +216,13 @@ fn large_tile(
         .into_par_iter()
         .map(|[column, row]| {
             let inner = middle.tile(column, row);
-            let (sections, mut clusters) = texel_tile(map, middle, &inner);
-            if !whole {
-                clusters = Vec::new();
-            }
+            let mut items = texels(map, &inner);
+            let sections = tree(middle, &inner, &mut items, &[]);
+            let mut clusters = if whole {
+                groups(&mut items, middle)
+            } else {
+                Vec::new()
+            };
             for (item, inner_moments) in &mut clusters {
                 for axis in 0..2 {
                     let offset = (inner.origin[axis] - tile.origin[axis]) as u16;
@@ -222,27 +251,32 @@ fn large_tile(
             items.push(Item { id, ..item });
             inner.push(moments);
         }
-        tree(large, &tile, &mut items, &inner).0
+        tree(large, &tile, &mut items, &inner)
     } else {
-        texel_tile(map, large, &tile).0
+        texel_tile(map, large, &tile)
     };
     (rows, sections)
 }
 
-/// The tree over `items`, texels or clusters of `inner` moments, of `tile`; and its bottom clusters, but on level 0.
+/// What a texel of position is worth in tiles of `level`.
+fn worth(level: &ClusterLevel) -> f64 {
+    if level.number == 0 {
+        TEXEL_WORTH
+    } else {
+        COARSE_TEXEL_WORTH * 64.0 / f64::from(level.side)
+    }
+}
+
+/// The tree over `items`, texels or groups of `inner` moments, of `tile`; orders `items` by cluster.
 fn tree(
     level: &ClusterLevel,
     tile: &ClusterTile,
     items: &mut [Item],
     inner: &[Inner],
-) -> (TileSections, Vec<(Item, Inner)>) {
+) -> TileSections {
     let shape = tile.shape;
-    let worth = if level.number == 0 {
-        TEXEL_WORTH
-    } else {
-        COARSE_TEXEL_WORTH * 64.0 / f64::from(level.side)
-    };
-    // Clusters as items have one number of texels.
+    let worth = worth(level);
+    // Groups have one number of texels.
     let texels_an_item = shape.texels / items.len() as u32;
     let mut encoder = Encoder::new(level, tile, items, inner, texels_an_item);
     encoder.node(items, inner, [0, shape.clusters], worth);

@@ -5,7 +5,7 @@
     reason = "arrays of 16 by numbers below 16, which compilers see and checked indexing would hide from them"
 )]
 
-use glintbake_format::records::{ClusterLeaf, ClusterNode, LeafBits};
+use glintbake_format::records::{ClusterLeaf, ClusterNode, FineBits, LeafBits};
 
 /// Children of a node, and texels of a leaf.
 pub(super) const LANES: usize = 16;
@@ -166,20 +166,20 @@ pub(super) fn narrow_texels(
 #[inline(always)]
 pub(super) fn wide_texels(
     leaf: &ClusterLeaf,
-    fine: &ClusterLeaf,
+    fine: &FineBits,
     bits: LeafBits,
     low: [f32; 2],
     extent: [f32; 2],
 ) -> Texels {
-    let whole = bits.most() as f32 * 65536.0 + 65535.0;
+    let whole = bits.most() as f32 * 16.0 + 15.0;
     let unit = [extent[0] / whole, extent[1] / whole];
-    // With this extent the narrow part steps by 65536 units.
-    let coarse = bits.most() as f32 * 65536.0;
+    // With this extent the narrow part steps by 16 units.
+    let coarse = bits.most() as f32 * 16.0;
     let mut texels = narrow_texels(leaf, bits, low, [unit[0] * coarse, unit[1] * coarse]);
     for lane in 0..LANES {
-        let word = fine.0[lane].get();
-        texels.s[lane] += (word & 0xFFFF) as i32 as f32 * unit[0];
-        texels.t[lane] += (word >> 16) as i32 as f32 * unit[1];
+        let byte = fine.0[lane];
+        texels.s[lane] += f32::from(byte & 15) * unit[0];
+        texels.t[lane] += f32::from(byte >> 4) * unit[1];
     }
     texels
 }

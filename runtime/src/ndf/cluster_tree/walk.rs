@@ -17,7 +17,7 @@ use glintbake_format::view::ClusterTree;
 /// Tiles walked together.
 const TILES: usize = 16;
 /// Nodes or leaves that wait at one depth.
-const QUEUE: usize = 64;
+const QUEUE: usize = 32;
 /// Places that must be free for the children of one node.
 const ROOM: usize = QUEUE - 16;
 
@@ -120,8 +120,8 @@ impl<T: Copy + Default> Queue<T> {
     }
 
     #[inline(always)]
-    fn get(&self, place: usize) -> Option<T> {
-        self.items.get(..self.count)?.get(place).copied()
+    fn get(&self, place: usize) -> Option<&T> {
+        self.items.get(..self.count)?.get(place)
     }
 }
 
@@ -288,7 +288,7 @@ impl<'a, 'w, R: Region, L: Lobe, S: Sink> Walk<'a, 'w, R, L, S> {
     fn open_first(&mut self) -> Result<(), QueryError> {
         for place in 0..self.slot_count {
             let [first, second, _] = &self.nodes;
-            let Some(node) = first.get(place) else { break };
+            let Some(&node) = first.get(place) else { break };
             if second.count > ROOM {
                 self.open_second()?;
             }
@@ -304,7 +304,9 @@ impl<'a, 'w, R: Region, L: Lobe, S: Sink> Walk<'a, 'w, R, L, S> {
     fn open_second(&mut self) -> Result<(), QueryError> {
         for place in 0..QUEUE {
             let [_, second, third] = &self.nodes;
-            let Some(node) = second.get(place) else { break };
+            let Some(&node) = second.get(place) else {
+                break;
+            };
             if third.count > ROOM {
                 self.open_third()?;
             }
@@ -319,7 +321,7 @@ impl<'a, 'w, R: Region, L: Lobe, S: Sink> Walk<'a, 'w, R, L, S> {
     fn open_third(&mut self) -> Result<(), QueryError> {
         for place in 0..QUEUE {
             let [.., third] = &self.nodes;
-            let Some(node) = third.get(place) else { break };
+            let Some(&node) = third.get(place) else { break };
             self.open(node, 2)?;
         }
         let [.., third] = &mut self.nodes;
@@ -472,7 +474,7 @@ impl<'a, 'w, R: Region, L: Lobe, S: Sink> Walk<'a, 'w, R, L, S> {
     #[inline(never)]
     fn sum_leaves(&mut self) -> Result<(), QueryError> {
         for place in 0..QUEUE {
-            let Some(leaf) = self.leaves.get(place) else {
+            let Some(&leaf) = self.leaves.get(place) else {
                 break;
             };
             self.sum_leaf(&leaf)?;
