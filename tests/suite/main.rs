@@ -6,6 +6,7 @@ mod baselines;
 mod batch;
 mod block_lists;
 mod brdf;
+mod cluster_tree;
 mod corpus;
 mod determinism;
 mod energy;
