@@ -40,8 +40,8 @@ pub use glintbake_format::model;
 pub use glintbake_format::records::Instance;
 pub use glintbake_format::{Fault, Finding};
 pub use ndf::{
-    Accuracy, BatchError, ClusterTree, Facet, FlakeBins, Lean, Lobe, Ndf, Queries, Setting,
-    SpecularBins, SurfaceNdf,
+    Accuracy, BatchError, Bounded, ClusterTree, Facet, FlakeBins, Lean, Lobe, Ndf, Queries,
+    Setting, SpecularBins, SurfaceNdf,
 };
 pub use package::Package;
 pub use simd::Instructions;

@@ -324,3 +324,62 @@ fn facets_add_up_to_the_density_and_to_their_weights() {
         }
     }
 }
+
+#[test]
+fn strict_bounds_hold_and_are_as_small_as_was_asked() {
+    // 1e5 queries are what `STRICT_QUERIES=1500` asks; each costs an oracle.
+    let queries: usize = std::env::var("STRICT_QUERIES")
+        .ok()
+        .and_then(|count| count.parse().ok())
+        .unwrap_or(12);
+    let (mut asked, mut met) = (0, 0);
+    for (kind, seed) in [
+        (Kind::Flakes, 1),
+        (Kind::Waves, 2),
+        (Kind::Scratches, 3),
+        (Kind::Brushed, 4),
+    ] {
+        let map = sample_map(kind, 150, 280, seed, Wrap::Repeat);
+        let bytes = package(&map);
+        for filter in [Filter::Box, Filter::Gaussian] {
+            for alpha in [0.001, 0.01, 0.1] {
+                let ndf = tree(&bytes)
+                    .with_filter(filter)
+                    .with_kernel(Kernel::Disk)
+                    .and_then(|ndf| ndf.with_roughness(alpha))
+                    .expect("in range");
+                let mut stream = Stream::new(seed + 10);
+                for number in 0..queries {
+                    let footprint = stream.footprint(&map, [0.6, 6.0, 40.0, 200.0][number % 4]);
+                    let spread = if number % 3 == 0 { 6.0 } else { 1.0 } * alpha;
+                    let h = stream.half_vector_near(&map, &footprint, spread);
+                    if !h.is_on_disk() {
+                        continue;
+                    }
+                    let weights = texel_weights(&map, &footprint, filter);
+                    let exact = truth(&map, &weights, Kernel::Disk, alpha, h);
+                    for accuracy in [
+                        Accuracy::Fast(0.02),
+                        Accuracy::default(),
+                        Accuracy::Strict(0.02),
+                    ] {
+                        let found = ndf
+                            .with_accuracy(accuracy)
+                            .eval_bounded(&footprint, h)
+                            .expect("in range");
+                        assert!(
+                            (found.density - exact).abs() <= found.bound,
+                            "{kind:?} {filter:?} α {alpha} {accuracy:?} {footprint:?} {h:?}: {found:?} for {exact}"
+                        );
+                        if accuracy == Accuracy::Strict(0.02) {
+                            asked += 1;
+                            met += usize::from(found.bound <= 0.02 * found.density);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    // Densities far below the kernel's peak are beyond what single precision can promise.
+    assert!(4 * met > asked, "{met} of {asked}");
+}

@@ -11,7 +11,7 @@ mod specular_bins;
 
 pub use batch::{BatchError, Queries};
 pub use bin_weights::{DEFAULT_TOLERANCE, Lookup};
-pub use cluster_tree::{Accuracy, ClusterTree};
+pub use cluster_tree::{Accuracy, Bounded, ClusterTree};
 pub use flake_bins::{FlakeBins, Setting};
 pub use lean::{Lean, Lobe};
 pub use specular_bins::SpecularBins;

@@ -74,6 +74,22 @@ pub(super) fn at_most(lanes: &Lanes, limit: f32) -> u32 {
     mask
 }
 
+/// The least of all lanes.
+#[inline(always)]
+pub(super) fn least(lanes: &Lanes) -> f32 {
+    let min = |a: f32, b: f32| if a < b { a } else { b };
+    let mut halves = [0.0; 8];
+    for lane in 0..8 {
+        halves[lane] = min(lanes[lane], lanes[lane + 8]);
+    }
+    let mut quarters = [0.0; 4];
+    for lane in 0..4 {
+        quarters[lane] = min(halves[lane], halves[lane + 4]);
+    }
+    let [a, b, c, d] = quarters;
+    min(min(a, b), min(c, d))
+}
+
 /// Half the squared distance from the origin to each child's box of normals, in a frame in which the node's box begins at `low`
 /// and has 255 steps of `step`.
 #[inline(always)]
@@ -278,6 +294,12 @@ pub(super) fn child(node: &ClusterNode, lane: usize, low: [f32; 2], step: [f32; 
 #[inline(always)]
 pub(super) fn get(lanes: &Lanes, lane: usize) -> f32 {
     lanes[lane % LANES]
+}
+
+/// Sets lane `lane` of `lanes`.
+#[inline(always)]
+pub(super) fn set(lanes: &mut Lanes, lane: usize, value: f32) {
+    lanes[lane % LANES] = value;
 }
 
 /// Sets every lane from number `count` to `value`.

@@ -1,9 +1,10 @@
 //! The footprint as nodes and leaves see it: which boxes of texels it misses, covers or cuts, and what it weighs them.
 //!
 //! Boxes are tested in single precision relative to the footprint's centre, with slack for all rounding: what is in doubt counts
-//! as cut, and texels that are cut are weighed exactly, in double precision.
+//! as cut. A texel that is cut by one side has a share in closed form, all sixteen of a leaf at once; those at corners, and of
+//! footprints narrower than a texel, are weighed in double precision.
 
-use super::lanes::{Child, Lanes, Places, Texels, each, get, max};
+use super::lanes::{Child, LANES, Lanes, Places, Texels, each, get, max, set};
 use crate::overlap::{GaussianFootprint, Outline, Parallelogram, TexelBox};
 
 /// Rounding of a coordinate relative to the footprint's or tile's size, with a margin.
@@ -29,6 +30,13 @@ pub(super) struct Relations {
 
 /// A footprint.
 pub(super) trait Region {
+    /// Whether texels beyond those that are met have weight.
+    const HAS_TAIL: bool;
+
+    /// How far the mean product of weight and term of a cluster's texels can be from `weight` times their mean term, as a share
+    /// of the greatest term, in units of [`unit`](Self::unit).
+    fn weight_error(&self, child: &Child, offset: [f32; 2], unit: f32, weight: f32) -> f32;
+
     /// How boxes lie whose normals are at least `exponents` away; those beyond `limit` in all are missed.
     fn relations(&self, places: &Places, exponents: &Lanes, limit: f32) -> Relations;
 
@@ -51,6 +59,50 @@ pub(super) trait Region {
     fn unit(&self) -> f64;
 }
 
+/// From this share on a texel counts as whole: single precision has no more to say.
+const WHOLE_SHARE: f32 = 1.0 - 1e-5;
+
+/// The share of a texel that lies between two parallel sides at least as far apart as it reaches: a unit square, cut by a line.
+#[derive(Clone, Copy, Debug)]
+struct Share {
+    /// Half the distance of the sides, and half the texel's reach.
+    depth: f32,
+    long: f32,
+    short: f32,
+    scale: f32,
+}
+
+impl Share {
+    fn new([x, y]: [f32; 2], half: f32) -> Self {
+        let (x, y) = (x.abs(), y.abs());
+        let long = max(x, y);
+        // A side that is all but straight; leaning it by this moves no area by more than 3e-4 of a texel.
+        let short = max(if x > y { y } else { x }, 1e-3);
+        Self {
+            depth: half + 0.5 * (long + short),
+            long,
+            short,
+            scale: 1.0 / (long * short),
+        }
+    }
+
+    /// Of the texel whose middle is at `distance` from the line half-way between the sides.
+    ///
+    /// With R(x) = max(x, 0)² / 2, a line that has come d across a unit square, of long + short in all, has behind it
+    /// `(R(d) - R(d - short) - R(d - long)) / (long short)`, up to the far corner.
+    #[inline(always)]
+    fn of(&self, distance: f32) -> f32 {
+        let depth = self.depth - distance.abs();
+        let whole = self.long + self.short;
+        let d = if depth < whole { depth } else { whole };
+        let ramp = |x: f32| {
+            let x = max(x, 0.0);
+            0.5 * x * x
+        };
+        (ramp(d) - ramp(d - self.short) - ramp(d - self.long)) * self.scale
+    }
+}
+
 /// A parallelogram.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BoxRegion<'a> {
@@ -62,13 +114,18 @@ pub(super) struct BoxRegion<'a> {
     half: [f32; 2],
     /// Half the sides of the bounding box.
     extent: [f32; 2],
+    /// The share of a texel between each pair of sides.
+    shares: [Share; 2],
+    /// Whether no texel meets both sides of a pair, and shares will do.
+    is_wide: bool,
     /// Greatest coordinate that is met, for slack.
     size: f32,
     unit: f64,
 }
 
 impl<'a> BoxRegion<'a> {
-    pub fn new(footprint: &'a Parallelogram, outline: Option<&'a Outline>) -> Self {
+    /// `footprint`, which has the outline `outline`; with all texels that are cut weighed in double precision if `exact`.
+    pub fn new(footprint: &'a Parallelogram, outline: Option<&'a Outline>, exact: bool) -> Self {
         let bounds = footprint.bounds();
         let extent = [
             0.5 * (bounds.high[0] - bounds.low[0]),
@@ -89,6 +146,12 @@ impl<'a> BoxRegion<'a> {
             outline,
             across: strips.map(|(across, _)| across),
             half: strips.map(|(_, half)| half),
+            shares: strips.map(|(across, half)| Share::new(across, half)),
+            is_wide: !exact
+                && outline.is_some()
+                && strips
+                    .iter()
+                    .all(|([x, y], half)| *half > 0.5 * (x.abs() + y.abs()) + 1e-3),
             extent: extent.map(|extent| extent as f32),
             size: (extent[0] + extent[1]) as f32 + 1024.0,
             // Too thin a footprint has no texel inside: its cut ones are weighed as they are.
@@ -122,7 +185,7 @@ impl<'a> BoxRegion<'a> {
         let [[a_x, a_y], [b_x, b_y]] = self.across;
         // How far inside the farthest corner, and how far outside the nearest, lies of either pair of sides.
         let slack = SLACK * self.size;
-        let mut inside = [0.0; super::lanes::LANES];
+        let mut inside = [0.0; LANES];
         let outside = each(|lane| {
             let (x, y) = (get(&places.x, lane), get(&places.y, lane));
             let (half_x, half_y) = (get(&places.half_x, lane), get(&places.half_y, lane));
@@ -149,6 +212,12 @@ impl<'a> BoxRegion<'a> {
 }
 
 impl Region for BoxRegion<'_> {
+    const HAS_TAIL: bool = false;
+
+    fn weight_error(&self, _: &Child, _: [f32; 2], _: f32, _: f32) -> f32 {
+        1.0
+    }
+
     #[inline(always)]
     fn relations(&self, places: &Places, _: &Lanes, _: f32) -> Relations {
         let (outside, inside) = self.lanes(places);
@@ -175,25 +244,31 @@ impl Region for BoxRegion<'_> {
             origin.offset[0] + first_x + 0.5,
             origin.offset[1] + first_y + 0.5,
         ];
-        let places = Places {
-            x: each(|lane| corner[0] + get(&texels.x, lane)),
-            y: each(|lane| corner[1] + get(&texels.y, lane)),
-            half_x: [0.5; super::lanes::LANES],
-            half_y: [0.5; super::lanes::LANES],
+        let (mut both, mut weights) = ([0.0; LANES], [0.0; LANES]);
+        for lane in 0..LANES {
+            let x = corner[0] + get(&texels.x, lane);
+            let y = corner[1] + get(&texels.y, lane);
+            let a = self.shares[0].of(x * self.across[0][0] + y * self.across[0][1]);
+            let b = self.shares[1].of(x * self.across[1][0] + y * self.across[1][1]);
+            set(&mut weights, lane, a * b);
+            // Negative where a side of either pair may cut the texel, so that a product of shares is not its area.
+            set(&mut both, lane, max(a, b) - WHOLE_SHARE);
+        }
+        let whole = !super::lanes::at_most(&both, 0.0);
+        let any = !super::lanes::at_most(&weights, 0.0);
+        // Of a narrow footprint the exact weight also tells what is outside.
+        let mut corners = if self.is_wide {
+            any & wanted & !whole
+        } else {
+            wanted
         };
-        let Relations { meets, inside } = self.relations(&places, &[0.0; 16], 0.0);
-        let mut weights = each(|lane| if inside >> lane & 1 == 1 { 1.0 } else { 0.0 });
-        let mut cut = meets & !inside & wanted;
-        while cut != 0 {
-            let lane = cut.trailing_zeros() as usize;
-            cut &= cut - 1;
+        while corners != 0 {
+            let lane = corners.trailing_zeros() as usize;
+            corners &= corners - 1;
             // Whole numbers below 128.
             let column = get(&texels.x, lane) as i64 + i64::from(first[0]) + origin.texel[0];
             let row = get(&texels.y, lane) as i64 + i64::from(first[1]) + origin.texel[1];
-            let weight = self.exact(column, row);
-            if let Some(slot) = weights.get_mut(lane) {
-                *slot = weight;
-            }
+            set(&mut weights, lane, self.exact(column, row));
         }
         weights
     }
@@ -278,6 +353,23 @@ impl<'a> GaussianRegion<'a> {
 }
 
 impl Region for GaussianRegion<'_> {
+    const HAS_TAIL: bool = true;
+
+    fn weight_error(&self, child: &Child, offset: [f32; 2], unit: f32, weight: f32) -> f32 {
+        let sides = child.more.map(|more| unit * (f32::from(more) + 1.0));
+        let middle = [
+            offset[0] + unit * f32::from(child.first[0]) + 0.5 * sides[0],
+            offset[1] + unit * f32::from(child.first[1]) + 0.5 * sides[1],
+        ];
+        let (least, most) = self.range(middle[0], middle[1], 0.5 * sides[0], 0.5 * sides[1]);
+        let (high, low) = (
+            super::lanes::exponential(-least),
+            super::lanes::exponential(-most),
+        );
+        // Weights range from `low` to `high`, and so does their mean; term and weight may go together.
+        (high - low) + max((weight - low).abs(), (high - weight).abs())
+    }
+
     #[inline(always)]
     fn relations(&self, places: &Places, exponents: &Lanes, limit: f32) -> Relations {
         let least = each(|lane| {

@@ -26,12 +26,23 @@ const ROOM: usize = QUEUE - 16;
 pub(super) struct Limits {
     /// Terms of e^-this and less are skipped.
     pub exponent: f32,
-    /// Clusters whose greatest variance is at most this, in units of σr², are accepted.
+    /// Clusters whose greatest variance is at most this, in units of σr², may be accepted.
     pub variance: f32,
+    /// Of these, those whose variance times the square of half the box's longer side is at most this: heavy tails, which a
+    /// Gaussian does not have, need a box that is wide for its variance.
+    pub tail: f32,
 }
 
 /// What terms go to. Terms are shares of the kernel's peak times weights; `weights` those alone.
 pub(super) trait Sink {
+    /// Whether errors are added up.
+    const STRICT: bool = false;
+
+    /// Up to `bound` more of the sum, in the unit of weights, is missing or too much.
+    fn error(&mut self, bound: f32) {
+        let _ = bound;
+    }
+
     /// Weights given from now on are in this unit, but those of [`exact`](Self::exact).
     fn unit(&mut self, unit: f64);
 
@@ -340,6 +351,9 @@ impl<'a, 'w, R: Region, L: Lobe, S: Sink> Walk<'a, 'w, R, L, S> {
         let record = tree.node(u64::from(place))?;
         let distances = lanes::normal_distances(record, node.low, node.step);
         let mut alive = lanes::at_most(&distances, self.limits.exponent);
+        if S::STRICT {
+            self.count_skipped(&node, &slot, &distances, !alive);
+        }
         if alive == 0 {
             return Ok(());
         }
@@ -349,6 +363,11 @@ impl<'a, 'w, R: Region, L: Lobe, S: Sink> Walk<'a, 'w, R, L, S> {
             let relations = self
                 .region
                 .relations(&places, &distances, self.limits.exponent);
+            if S::STRICT && R::HAS_TAIL {
+                // Position and normal together are beyond the limit.
+                let limit = [self.limits.exponent; lanes::LANES];
+                self.count_skipped(&node, &slot, &limit, alive & !relations.meets);
+            }
             alive &= relations.meets;
             inside = relations.inside;
         }
@@ -404,6 +423,20 @@ impl<'a, 'w, R: Region, L: Lobe, S: Sink> Walk<'a, 'w, R, L, S> {
         Ok(())
     }
 
+    /// Adds to the error the children of `node` whose bit is set in `skipped`: a child's terms are e^-exponent at most.
+    fn count_skipped(&mut self, node: &Node, slot: &Slot, exponents: &Lanes, skipped: u32) {
+        for lane in 0..16 {
+            let first = TileShape::child_cluster(node.first, node.count, lane);
+            let last = TileShape::child_cluster(node.first, node.count, lane + 1);
+            let texels = slot.shape.first_texel(last) - slot.shape.first_texel(first);
+            if skipped >> lane & 1 == 1 && texels > 0 {
+                let most = exponential(-get(exponents, lane as usize));
+                self.sink
+                    .error(1.00001 * most * texels as f32 * slot.copies);
+            }
+        }
+    }
+
     /// Adds a cluster as one Gaussian, if that is near enough, or `always`.
     #[inline(always)]
     fn accept(
@@ -417,7 +450,10 @@ impl<'a, 'w, R: Region, L: Lobe, S: Sink> Walk<'a, 'w, R, L, S> {
     ) -> bool {
         let [ss, _, tt] = own.covariance;
         // Tried first on the disk, where variances are no greater than in any chart.
-        if !always && lanes::max(ss, tt) > self.limits.variance {
+        let side = 0.5 * lanes::max(own.extent[0], own.extent[1]);
+        let variance = lanes::max(ss, tt);
+        if !always && (variance > self.limits.variance || variance * side * side > self.limits.tail)
+        {
             return false;
         }
         let weight = if inside {
@@ -430,6 +466,17 @@ impl<'a, 'w, R: Region, L: Lobe, S: Sink> Walk<'a, 'w, R, L, S> {
         let chart = self.lobe.chart(own.mean, own.covariance);
         if !always && chart.variance() > self.limits.variance * 2.0 {
             return false;
+        }
+        if S::STRICT {
+            let count = texels as f32 * slot.copies;
+            let of_weight = if inside {
+                0.0
+            } else {
+                let (offset, unit) = (slot.origin.offset, slot.unit);
+                self.region.weight_error(own, offset, unit, weight) * exponential(-exponent)
+            };
+            let of_moments = lanes::max(weight, 0.0) * moment_error(own);
+            self.sink.error(count * (of_weight + of_moments));
         }
         let weight = weight * texels as f32 * slot.copies;
         self.sink.cluster(weight * chart.term(), weight, own.mean);
@@ -490,6 +537,29 @@ impl<'a, 'w, R: Region, L: Lobe, S: Sink> Walk<'a, 'w, R, L, S> {
         let tree = self.tree;
         let record = tree.leaves.get(leaf.leaf as usize).ok_or(tree.damaged())?;
         let (texels, first) = self.texels(leaf, record)?;
+        // On the disk distances are no greater than in any chart: what is too far there need not be looked at further.
+        let mut distances = lanes::each(|lane| {
+            let (s, t) = (get(&texels.s, lane), get(&texels.t, lane));
+            0.5 * (s * s + t * t)
+        });
+        set_from(&mut distances, leaf.texels, f32::INFINITY);
+        let least = lanes::least(&distances);
+        if S::STRICT {
+            let copies = self
+                .slots
+                .get(leaf.slot as usize)
+                .map_or(0.0, |slot| slot.copies);
+            let count = leaf.texels as f32 * copies;
+            let skipped = if least > self.limits.exponent {
+                exponential(-least)
+            } else {
+                leaf_error(leaf, least)
+            };
+            self.sink.error(1.00001 * count * skipped);
+        }
+        if least > self.limits.exponent {
+            return Ok(());
+        }
         let (mut exponents, factors) = self.lobe.exponents(&texels.s, &texels.t);
         set_from(&mut exponents, leaf.texels, f32::INFINITY);
         let near = lanes::at_most(&exponents, LEAST_TERM);
@@ -547,3 +617,55 @@ impl<'a, 'w, R: Region, L: Lobe, S: Sink> Walk<'a, 'w, R, L, S> {
 
 /// Texels of leaves that are opened anyway count down to e^-this.
 const LEAST_TERM: f32 = 40.0;
+
+/// The steepest slope of a unit Gaussian of peak 1 at points whose exponent is at least `exponent`: `d e^(-d²/2)`, greatest at
+/// d = 1.
+fn slope(exponent: f32) -> f32 {
+    if exponent <= 0.5 {
+        return 0.606_531;
+    }
+    let distance = 2.0 * exponent * lanes::inverse_root(2.0 * exponent);
+    1.00001 * distance * exponential(-exponent)
+}
+
+/// How far the mean term of a cluster can be from that of the Gaussian of its stored moments, on the disk: docs/cluster-tree.md,
+/// "Errors".
+fn moment_error(own: &Child) -> f32 {
+    let [width, height] = own.extent;
+    let diagonal = width + height;
+    let [ss, _, tt] = own.covariance;
+    // Rounding of a deviation, by half a 510th of a side, of the correlation, by a 254th, and of the mean.
+    let of = |variance: f32, side: f32| {
+        let off = side * (1.0 / 1020.0);
+        let deviation = variance * lanes::inverse_root(lanes::max(variance, 1e-30));
+        (2.0 * deviation * off + off * off, deviation, off)
+    };
+    let (error_s, deviation_s, off_s) = of(ss, width);
+    let (error_t, deviation_t, off_t) = of(tt, height);
+    let product = (deviation_s + off_s) * (deviation_t + off_t);
+    let error_st =
+        deviation_s * off_t + deviation_t * off_s + off_s * off_t + product * (1.0 / 254.0);
+    let trace = ss + tt + error_s + error_t;
+    let root = trace * lanes::inverse_root(lanes::max(trace, 1e-30));
+    // A cluster lies within its box, wherever its mean: the radius is the diagonal at most.
+    let third = 0.2301 * trace * (diagonal + 1.6 * root);
+    // The cluster's Gaussian reaches beyond its box, so that the steepest slope of all counts.
+    let mean = slope(0.0) * diagonal * (1.0 / 510.0);
+    third + mean + 0.5 * (error_s + error_t + 2.0 * error_st)
+}
+
+/// How far the term of a texel of a leaf can be from that of its normal before it was rounded.
+fn leaf_error(leaf: &Leaf, least: f32) -> f32 {
+    let most = LeafBits::new(leaf.more[0], leaf.more[1]).most() as f32;
+    let finer = match LeafKind::of(leaf.kind) {
+        Some(LeafKind::Wide) => 16.0,
+        // To 31 bits, which the slack for arithmetic covers.
+        Some(LeafKind::Palette) => return 0.0,
+        _ => 1.0,
+    };
+    let off = 0.5 * (leaf.extent[0] + leaf.extent[1]) / (most * finer);
+    let near = lanes::max(2.0 * least, 0.0);
+    let distance = near * lanes::inverse_root(lanes::max(near, 1e-30));
+    let inner = lanes::max(distance - off, 0.0);
+    off * slope(0.5 * inner * inner)
+}
