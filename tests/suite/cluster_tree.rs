@@ -85,7 +85,7 @@ fn densities_are_those_of_the_sum_over_texels_within_the_default_error() {
                     for texels in [0.5, 3.0, 20.0, 90.0] {
                         let (l1, worst) = errors(&map, &ndf, texels, 30, 3);
                         assert!(
-                            l1 < 6e-3 && worst < 2e-2,
+                            l1 < 3e-3 && worst < 2e-2,
                             "{kind:?} {filter:?} {kernel:?} α {alpha}, {texels} texels: {l1} {worst}"
                         );
                     }
@@ -242,7 +242,7 @@ fn samples_are_drawn_by_the_pdf_and_energy_is_whole() {
             };
             // Cells of the disk: what falls into each, and the pdf's integral over it, by the middles of 5 × 5 parts.
             const CELLS: usize = 16;
-            const SAMPLES: usize = 40_000;
+            const SAMPLES: usize = 200_000;
             let mut counts = vec![0_u32; CELLS * CELLS];
             let mut drawn = 0;
             for _ in 0..SAMPLES {
@@ -255,7 +255,7 @@ fn samples_are_drawn_by_the_pdf_and_energy_is_whole() {
             }
             let (mut chi_square, mut cells, mut whole) = (0.0, 0, 0.0);
             for (number, &count) in counts.iter().enumerate() {
-                const PARTS: usize = 5;
+                const PARTS: usize = 12;
                 let side = 2.0 / (CELLS * PARTS) as f64;
                 let mut expected = 0.0;
                 for part in 0..PARTS * PARTS {
@@ -281,6 +281,7 @@ fn samples_are_drawn_by_the_pdf_and_energy_is_whole() {
                 }
             }
             let bound = f64::from(cells) + 5.0 * (2.0 * f64::from(cells)).sqrt();
+            println!("{filter:?} {kernel:?}: {chi_square} of {cells} cells, {whole}");
             assert!(cells > 20, "{cells} cells");
             assert!(
                 chi_square < bound,

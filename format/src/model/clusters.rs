@@ -11,7 +11,7 @@ pub const CLUSTER_LEVELS: usize = 3;
 /// Sides of the tiles of each level, in texels.
 const SIDES: [u32; CLUSTER_LEVELS] = [64, 256, 1024];
 /// Most texels of a bottom cluster on each level: the leaves of level 0, which are stored, and clusters that are not.
-const BOTTOM: [u32; CLUSTER_LEVELS] = [16, 256, 256];
+const BOTTOM: [u32; CLUSTER_LEVELS] = [16, 16, 256];
 
 /// The tiles of a map on every level, and where their nodes and leaves are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,9 +10,9 @@ use glintbake_format::records::{
 use zerocopy::little_endian::{F32, U32};
 use zerocopy::{FromZeros, IntoBytes};
 
-/// The widest step between normals of a narrow leaf: half of it, what rounding can take, is 0.3 % of the σr of a
+/// The widest step between normals of a narrow leaf: half of it, what rounding can take, is 0.6 % of the σr of a
 /// roughness of 0.0035.
-const WIDEST_STEP: f64 = 1.0 / 65536.0;
+const WIDEST_STEP: f64 = 1.0 / 32768.0;
 /// The step below which a leaf of few normals needs no palette.
 const FINEST_STEP: f64 = 1.0 / 4_194_304.0;
 /// Normals in a palette.

@@ -58,8 +58,8 @@ impl Knobs {
                 variance: (0.3 * ease) as f32,
                 tail: (0.25 * ease * ease) as f32,
             },
-            weight: 0.5 * ease,
-            spread: 0.25 * libm::sqrt(ease),
+            weight: 0.2 * ease,
+            spread: 0.4 * libm::sqrt(ease),
         }
     }
 

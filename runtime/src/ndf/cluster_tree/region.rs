@@ -411,15 +411,18 @@ impl Region for GaussianRegion<'_> {
             0.5 * sides[1],
         );
         // What is small matters less.
-        if !always && most - least > self.tolerance * (1.0 + exponent + least) {
+        if !always && most - least > self.tolerance * (1.0 + 0.5 * (exponent + least)) {
             return None;
         }
         let x = low[0] + child.place[0] * sides[0];
         let y = low[1] + child.place[1] * sides[1];
-        // The cluster's places as a round Gaussian.
-        let variance = child.place_variance * (sides[0] * sides[0] + sides[1] * sides[1]);
+        // The cluster's places as a Gaussian that is as much longer than wide as its box.
+        let variance = 2.0 * child.place_variance;
         let [xx, yy, xy] = self.covariance;
-        let (a, b) = (xx + variance, yy + variance);
+        let (a, b) = (
+            xx + variance * sides[0] * sides[0],
+            yy + variance * sides[1] * sides[1],
+        );
         let determinant = a * b - xy * xy;
         let root = super::lanes::inverse_root(determinant);
         let square = (b * x * x - 2.0 * xy * x * y + a * y * y) * root * root;
