@@ -200,7 +200,7 @@ impl ClusterLayout {
     pub const fn leaf_count(self) -> u64 {
         let level = self.level(0);
         let [_, rows] = level.tiles;
-        (rows as u64 - 1) * level.row_clusters(0) + level.row_clusters(1)
+        (rows as u64 - 1) * level.row_clusters(false) + level.row_clusters(true)
     }
 }
 
@@ -208,16 +208,22 @@ impl ClusterLevel {
     /// Nodes of the whole level.
     pub const fn node_count(self) -> u64 {
         let [_, rows] = self.tiles;
-        (rows as u64 - 1) * self.row_nodes(0) + self.row_nodes(1)
+        (rows as u64 - 1) * self.row_nodes(false) + self.row_nodes(true)
     }
 
-    const fn row_nodes(self, last: usize) -> u64 {
-        let [inner, outer] = self.shapes[last];
+    /// The shapes of the tiles of a row: of all but the last, and of the last.
+    const fn row_shapes(self, is_last: bool) -> [TileShape; 2] {
+        let [others, last] = self.shapes;
+        if is_last { last } else { others }
+    }
+
+    const fn row_nodes(self, is_last: bool) -> u64 {
+        let [inner, outer] = self.row_shapes(is_last);
         (self.tiles[0] as u64 - 1) * inner.nodes() as u64 + outer.nodes() as u64
     }
 
-    const fn row_clusters(self, last: usize) -> u64 {
-        let [inner, outer] = self.shapes[last];
+    const fn row_clusters(self, is_last: bool) -> u64 {
+        let [inner, outer] = self.row_shapes(is_last);
         (self.tiles[0] as u64 - 1) * inner.clusters as u64 + outer.clusters as u64
     }
 
@@ -253,9 +259,9 @@ impl ClusterLevel {
             ],
             root: self.first_root + row * columns + column,
             first_node: self.first_node
-                + row as u64 * self.row_nodes(0)
+                + row as u64 * self.row_nodes(false)
                 + column as u64 * shapes[0].nodes() as u64,
-            first_leaf: row as u64 * self.row_clusters(0)
+            first_leaf: row as u64 * self.row_clusters(false)
                 + column as u64 * shapes[0].clusters as u64,
         }
     }

@@ -172,7 +172,7 @@ impl<'a> ClusterTree<'a> {
         let kind = LeafKind::of(byte(&node.deviation_xy)?).ok_or(self.damaged())?;
         if kind == LeafKind::Palette {
             let pair = word(words, 8 + texel / 2)?;
-            let entry = if texel % 2 == 0 {
+            let entry = if texel.is_multiple_of(2) {
                 pair & 0xFFFF
             } else {
                 pair >> 16

@@ -164,6 +164,10 @@ impl<'t> Encoder<'t> {
     }
 
     /// Writes the bytes of a child of `moments`, and returns its box.
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "an axis is a place in five arrays at once"
+    )]
     fn child(
         &mut self,
         number: usize,

@@ -33,6 +33,10 @@ enum Place {
     Cut,
 }
 
+/// Who is told of a tile: its level, itself, its first texel with copies counted on, and whether it is inside.
+type Emit<'e> =
+    dyn FnMut(&ClusterLevel, &ClusterTile, [i64; 2], bool) -> Result<(), QueryError> + 'e;
+
 /// Descends from the level `top`: `place` tells how a tile lies, `serves` whether one without leaves will do.
 struct Descent<'c, 'a, P> {
     tree: &'c ClusterTree<'a>,
@@ -52,7 +56,7 @@ impl<P: Fn(&ClusterTile, [i64; 2]) -> Place> Descent<'_, '_, P> {
         number: u32,
         range: [[u32; 2]; 2],
         known_inside: bool,
-        emit: &mut dyn FnMut(&ClusterLevel, &ClusterTile, [i64; 2], bool) -> Result<(), QueryError>,
+        emit: &mut Emit<'_>,
     ) -> Result<(), QueryError> {
         let level = self.tree.layout.level(number);
         let [[from_x, to_x], [from_y, to_y]] = self.clip(&level, range);

@@ -2,6 +2,7 @@
 //! instructions.
 #![expect(
     clippy::indexing_slicing,
+    clippy::needless_range_loop,
     reason = "arrays of 16 by numbers below 16, which compilers see and checked indexing would hide from them"
 )]
 

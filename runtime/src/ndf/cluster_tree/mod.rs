@@ -471,7 +471,7 @@ impl Ndf for ClusterTree<'_> {
         Ok(drawn.is_on_disk().then_some(drawn))
     }
 
-    /// Of the disk's kernel `D (h·n)` with the surface's normal n; of Beckmann's the sum of its terms times (h·t_k).
+    /// Of the disk's kernel `D (h·n)` with the surface's normal n; of Beckmann's the sum of its terms times `h·t_k`.
     fn pdf(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError> {
         let direction = half_vector.direction();
         if self.kernel == Kernel::Disk {
