@@ -55,8 +55,8 @@ impl Knobs {
         Self {
             limits: Limits {
                 exponent: (exponent + tail).clamp(3.0, 40.0) as f32,
-                variance: (0.3 * ease) as f32,
-                tail: (0.25 * ease * ease) as f32,
+                variance: (0.2 * ease) as f32,
+                tail: (0.1 * ease * ease) as f32,
             },
             weight: 0.2 * ease,
             spread: 0.4 * libm::sqrt(ease),
