@@ -55,6 +55,11 @@ fn report(kind: Kind, filter: Filter) -> MapReport {
 /// How far answers may be from their own model, in relative L1, and why.
 fn allowed(row: &Row) -> f64 {
     match &*row.cell.filter {
+        // The error that was asked for, which few queries of a cell meet less surely than many.
+        _ if row.contestant.variant.starts_with("eps") => {
+            let eps = row.contestant.variant.split(' ').next_back();
+            5.0 * eps.and_then(|eps| eps.parse().ok()).unwrap_or(0.0)
+        }
         // Normals are stored in 16 + 16 bits, which far out in the lobes shows most.
         _ if row.contestant.variant == "exact" => 1e-3,
         // Blocks of texels stand for themselves within the default tolerance.
@@ -84,7 +89,12 @@ fn every_method_answers_its_own_model_and_loses_no_more_energy_than_it() {
                 assert!(model.worst_unlit <= LIT, "{name:?}: {model:?}");
                 // Of Gaussians a half vector from anywhere may meet only what lies beyond their end.
                 let found = row.cell.half_vectors == HalfVectors::Found;
-                if let Some(error) = model.relative_l1.filter(|_| found || filter == Filter::Box) {
+                // So it may of what skips terms far below the peak.
+                let skips = row.contestant.variant.starts_with("eps");
+                if let Some(error) = model
+                    .relative_l1
+                    .filter(|_| found || (filter == Filter::Box && !skips))
+                {
                     assert!(error <= allowed(row), "{name:?}: {error} of its model");
                     judged += 1;
                 }
