@@ -57,7 +57,7 @@ fn allowed(row: &Row) -> f64 {
     match &*row.cell.filter {
         // The error that was asked for, which few queries of a cell meet less surely than many, and what rounding of normals
         // leaves under a texel or two.
-        _ if row.contestant.variant.starts_with("eps") => {
+        _ if row.contestant.method == "cluster-tree" => {
             let eps = row.contestant.variant.split(' ').next_back();
             1e-3 + 5.0 * eps.and_then(|eps| eps.parse().ok()).unwrap_or(0.0)
         }
@@ -91,7 +91,7 @@ fn every_method_answers_its_own_model_and_loses_no_more_energy_than_it() {
                 // Of Gaussians a half vector from anywhere may meet only what lies beyond their end.
                 let found = row.cell.half_vectors == HalfVectors::Found;
                 // So it may of what skips terms far below the peak.
-                let skips = row.contestant.variant.starts_with("eps");
+                let skips = row.contestant.method == "cluster-tree";
                 if let Some(error) = model
                     .relative_l1
                     .filter(|_| found || (filter == Filter::Box && !skips))

@@ -4,7 +4,7 @@ use glintbake_bake::{Recipe, bake};
 use glintbake_cli::measure::subject::{Patch, REGISTRY, Reference, Subject, Variant};
 use glintbake_cli::stress::maps::{NamedMap, built_in};
 use glintbake_cli::stress::{
-    CHECKS, Ground, Outcome, QUICK_ROUGHNESSES, Target, Verdict, on_maps, run_check, table,
+    CHECKS, Ground, Outcome, QUICK_ROUGHNESSES, Target, Verdict, held, on_maps, run_check, table,
 };
 use glintbake_format::model::{Filter, Footprint, HalfVector, Method};
 use glintbake_runtime::microfacet::Masking;
@@ -164,7 +164,12 @@ fn outcomes_of(subject: &dyn Subject, map: &NamedMap, variant: &Variant, lie: Li
         None,
     );
     let bytes = plan.expect("variants can be baked").to_bytes();
-    let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
+    let package = Package::open(&bytes).unwrap();
+    let ndf = package.ndf(1).unwrap();
+    let held = held(subject, &ground, &package).unwrap();
+    let ground = held
+        .as_ref()
+        .map_or_else(|| ground.clone(), |map| ground.with_map(map));
     let honest = variant
         .ask(ndf, Filter::Box)
         .expect("variants can be asked");

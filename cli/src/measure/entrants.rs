@@ -277,8 +277,18 @@ impl<'m> Field<'m> {
     fn kernels(&self, plan: &Plan) -> Vec<Kernel> {
         let mut kernels = Vec::new();
         for &method in &plan.methods {
-            if subject::find(method).is_rough() && !kernels.contains(&method.kernel()) {
-                kernels.push(method.kernel());
+            let subject = subject::find(method);
+            if !subject.is_rough() {
+                continue;
+            }
+            let variants = plan
+                .filters
+                .iter()
+                .flat_map(|&filter| subject.variants(filter));
+            for kernel in variants.map(|variant| variant.kernel()) {
+                if !kernels.contains(&kernel) {
+                    kernels.push(kernel);
+                }
             }
         }
         kernels
@@ -306,7 +316,7 @@ impl<'m> Field<'m> {
                     let package = Package::open(&baked.bytes).map_err(QueryError::Damaged)?;
                     entrants.push(Entrant {
                         contestant,
-                        kernel: method.kernel(),
+                        kernel: variant.kernel(),
                         roughness,
                         answers: Box::new(variant.ask(package.ndf(1)?, filter)?),
                         subject: Some((subject, variant)),

@@ -126,10 +126,10 @@ fn on_ground(subject: &dyn Subject, ground: &Ground<'_>, roughness: Option<f64>)
             baked.push((recipe, plan.map(|plan| plan.to_bytes())));
             baked.len() - 1
         });
-        let ndf = match &baked[place].1 {
+        let answers = match &baked[place].1 {
             Ok(bytes) => Package::open(bytes)
                 .map_err(QueryError::from)
-                .and_then(|package| package.ndf(1))
+                .and_then(|package| Ok((package.ndf(1)?, held(subject, ground, &package)?)))
                 .map_err(|error| Outcome::failed("accuracy", error.to_string())),
             // Such as a level that a map this small does not have.
             Err(error @ BakeError::Option { .. }) => {
@@ -137,12 +137,39 @@ fn on_ground(subject: &dyn Subject, ground: &Ground<'_>, roughness: Option<f64>)
             }
             Err(error) => Err(Outcome::failed("accuracy", error.to_string())),
         };
-        match ndf {
-            Ok(ndf) => outcomes.extend(answer(subject, &variant, roughness, ground, ndf)),
+        match answers {
+            Ok((ndf, held)) => {
+                let held = held.as_ref().map(|map| ground.with_map(map));
+                let ground = held.as_ref().unwrap_or(ground);
+                outcomes.extend(answer(subject, &variant, roughness, ground, ndf));
+            }
             Err(outcome) => outcomes.push(named(outcome, subject, &variant, roughness, ground)),
         }
     }
     outcomes
+}
+
+/// The map that answers of `package`, which holds one instance of the map of `ground`, are held to in its place, if
+/// [`subject` rounds normals](Subject::rounds_normals).
+///
+/// # Errors
+/// If the package is damaged.
+pub fn held(
+    subject: &dyn Subject,
+    ground: &Ground<'_>,
+    package: &Package<'_>,
+) -> Result<Option<NamedMap>, QueryError> {
+    let Some(instance) = package.instances().next() else {
+        return Ok(None);
+    };
+    if !subject.rounds_normals() {
+        return Ok(None);
+    }
+    let map = rebuild::normal_map(package.container(), &instance)?;
+    Ok(map.map(|map| NamedMap {
+        name: ground.map.name.clone(),
+        map,
+    }))
 }
 
 /// Every check of `ndf`, asked as `variant` asks.

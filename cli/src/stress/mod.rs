@@ -34,7 +34,7 @@ pub mod table;
 mod target;
 mod window;
 
-pub use engine::{on_maps, on_package};
+pub use engine::{held, on_maps, on_package};
 pub use outcome::{At, Faults, Outcome, Recorder, Verdict};
 pub use target::{Ground, Place, Target};
 

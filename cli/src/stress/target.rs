@@ -90,6 +90,32 @@ impl<'m> Ground<'m> {
     }
 }
 
+impl Ground<'_> {
+    /// The same ground with other normals under the same weights: `map` must be of the same size, and wrap as this one's does.
+    pub fn with_map<'n>(&self, map: &'n NamedMap) -> Ground<'n> {
+        let moved = |places: &[Place<'_>]| {
+            let places = places.iter().map(|place| Place {
+                name: place.name,
+                patch: Patch {
+                    map: &map.map,
+                    footprint: place.patch.footprint,
+                    filter: place.patch.filter,
+                    weights: place.patch.weights.clone(),
+                },
+            });
+            places.collect()
+        };
+        Ground {
+            map,
+            filter: self.filter,
+            places: moved(&self.places),
+            rounded: moved(&self.rounded),
+            growing: moved(&self.growing),
+            left_out: self.left_out.clone(),
+        }
+    }
+}
+
 impl Target<'_> {
     /// The map.
     pub fn map(&self) -> &NormalMap {

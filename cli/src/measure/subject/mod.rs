@@ -17,7 +17,7 @@ pub use limits::{Against, Bound, Ladder};
 use glintbake_bake::MethodRecipe;
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::oracle::{TexelWeight, texel_weights};
-use glintbake_format::model::{Filter, Footprint, HalfVector, Method};
+use glintbake_format::model::{Filter, Footprint, HalfVector, Kernel, Method};
 use glintbake_runtime::{Accuracy, Instance, QueryError, Setting, SurfaceNdf};
 use std::f64::consts::PI;
 
@@ -67,6 +67,12 @@ pub trait Subject: Sync {
     fn variants_of(&self, instance: &Instance, filter: Filter) -> Vec<Variant> {
         let _ = instance;
         one_of_each_question(self.variants(filter))
+    }
+
+    /// Whether packages round normals by so much that narrow lobes move: answers are then held to the sum over what the
+    /// package holds of them.
+    fn rounds_normals(&self) -> bool {
+        false
     }
 
     /// The greatest density that a normal of the method's kernel gives a half vector, about.
@@ -180,6 +186,12 @@ pub struct Variant {
 }
 
 impl Variant {
+    /// The kernel that it answers with.
+    pub fn kernel(&self) -> Kernel {
+        let of_method = self.recipe.method.kernel();
+        self.recipe.kernel.unwrap_or(of_method)
+    }
+
     /// The recipe for the roughness α `roughness`.
     pub fn recipe_for(&self, roughness: f64) -> MethodRecipe {
         MethodRecipe {
@@ -201,15 +213,15 @@ impl Variant {
         ndf: SurfaceNdf<'a>,
         filter: Filter,
     ) -> Result<SurfaceNdf<'a>, QueryError> {
-        let mut ndf = ndf.with_filter(filter);
-        if let Some(tolerance) = self.tolerance {
-            ndf = match ndf {
-                SurfaceNdf::ClusterTree(ndf) => {
-                    SurfaceNdf::ClusterTree(ndf.with_accuracy(Accuracy::Fast(tolerance)))
-                }
-                other => other.with_tolerance(tolerance),
-            };
-        }
+        let ndf = match (ndf.with_filter(filter), self.tolerance) {
+            (SurfaceNdf::ClusterTree(ndf), eps) => {
+                let eps = eps.unwrap_or(Accuracy::DEFAULT);
+                let ndf = ndf.with_kernel(self.kernel())?;
+                SurfaceNdf::ClusterTree(ndf.with_accuracy(Accuracy::Fast(eps)))
+            }
+            (ndf, Some(tolerance)) => ndf.with_tolerance(tolerance),
+            (ndf, None) => ndf,
+        };
         match self.setting {
             Some(setting) => ndf.with_setting(setting),
             None => Ok(ndf),

@@ -1,5 +1,7 @@
 //! A normal map from what a package holds of it.
 
+mod leaves;
+
 use glintbake_bake::normals::NormalMap;
 use glintbake_format::model::{BinGrid, HalfVector};
 use glintbake_format::records::Structure;
@@ -16,7 +18,8 @@ const INSETS: [f64; 4] = [0.25, 1.0 / 64.0, 1.0 / 1024.0, 1.0 / 65_536.0];
 /// With exact normals, each texel's own, to 2^-16 of a bin and f32. Without, a normal of each texel's bin: its middle, or the
 /// point nearest to the pole where the middle is beyond the rim. Its bin is the texel's bin again, so that a model over
 /// bins is that of the original map; a model of each texel's own normal is not. Of a pyramid the means of its level 0, to
-/// what they are stored in; `None` if it begins above that, for then it holds no texel's normal.
+/// what they are stored in; `None` if it begins above that, for then it holds no texel's normal. Of a cluster tree the normals of
+/// its leaves, which are what it answers for.
 ///
 /// # Errors
 /// If sections are missing or damaged, or a bin holds no direction.
@@ -28,6 +31,7 @@ pub fn normal_map(
         Structure::Bins(bins) => Some(from_bins(container, instance, bins.grid)?),
         Structure::Pyramid { finest_level: 0 } => Some(from_means(container, instance)?),
         Structure::Pyramid { .. } => None,
+        Structure::Clusters { .. } => Some(leaves::from_leaves(container, instance)?),
     };
     let Instance {
         width,
