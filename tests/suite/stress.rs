@@ -69,6 +69,8 @@ struct Liar<'a> {
     lie: Lie,
     /// Slightly, as a share.
     slightly: f64,
+    /// More than any footprint's answer may be off, however low its density.
+    pop: f64,
     odd: AtomicBool,
 }
 
@@ -87,7 +89,7 @@ impl Liar<'_> {
             Lie::Damage => return Err(QueryError::NoSuchInstance(7)),
             Lie::SlightlyOff => honest * (1.0 + self.slightly),
             Lie::Jump if footprint.centre[0] >= 1.0 => honest * 1.1,
-            Lie::PopAsItGrows if footprint.edge_1[0] > 0.5 => honest * 1.1,
+            Lie::PopAsItGrows if footprint.edge_1[0] > 0.5 => honest * 1.1 + self.pop,
             Lie::SinglePrecision if is_single(h.s) && is_single(h.t) => {
                 honest * (1.0 + self.slightly)
             }
@@ -173,13 +175,12 @@ fn outcomes_of(subject: &dyn Subject, map: &NamedMap, variant: &Variant, lie: Li
     let honest = variant
         .ask(ndf, Filter::Box)
         .expect("variants can be asked");
+    let bound = subject.bound(variant, Filter::Box, &ground.map.map, alpha);
     let liar = Liar {
         honest: &honest,
         lie,
-        slightly: 4.0
-            * subject
-                .bound(variant, Filter::Box, &map.map, alpha)
-                .relative,
+        slightly: 4.0 * bound.relative,
+        pop: 4.0 * bound.allowed(0.0, subject.peak(variant, alpha)),
         odd: AtomicBool::new(false),
     };
     let target = Target {
