@@ -36,6 +36,22 @@ impl Instructions {
     }
 }
 
+/// Asks memory for the line that `item` begins in, without waiting for it.
+#[inline(always)]
+pub(crate) fn fetch<T>(item: &T) {
+    #[cfg(all(feature = "simd", target_arch = "x86_64"))]
+    {
+        use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        #[expect(unsafe_code, reason = "the instruction takes a pointer")]
+        // SAFETY: a hint that reads nothing, faults on no address, and is part of every x86-64.
+        unsafe {
+            _mm_prefetch::<_MM_HINT_T0>(core::ptr::from_ref(item).cast());
+        }
+    }
+    #[cfg(not(all(feature = "simd", target_arch = "x86_64")))]
+    let _ = item;
+}
+
 /// Something that wider vectors speed up. Only what is inlined into [`run`](Self::run) gets them: everything hot below it
 /// is `#[inline(always)]`, and closures, which cannot be, are avoided.
 pub(crate) trait Work {

@@ -3,7 +3,7 @@
 use super::bin_tables::elements;
 use crate::container::Container;
 use crate::finding::{Fault, Finding};
-use crate::model::{ClusterLayout, ClusterTile};
+use crate::model::{CLUSTER_LEVELS, ClusterLayout, ClusterLevel, ClusterTile};
 use crate::records::{
     ClusterLeaf, ClusterNode, FINE_BITS, FINE_STARTS, FineBits, Instance, LEAVES, LeafBits,
     LeafKind, NODES, PALETTE_UNIT, ROOTS, TileRoot,
@@ -16,6 +16,8 @@ use zerocopy::little_endian::U32;
 pub struct ClusterTree<'a> {
     /// How tiles, nodes and leaves lie.
     pub layout: ClusterLayout,
+    /// Its levels; those there are not repeat the last.
+    levels: [ClusterLevel; CLUSTER_LEVELS],
     /// The section of nodes.
     pub id: SectionId,
     /// Roots of all tiles.
@@ -66,6 +68,7 @@ impl<'a> ClusterTree<'a> {
         };
         Ok(Some(Self {
             layout,
+            levels: [0, 1, 2].map(|number| layout.level(number)),
             id,
             roots: elements(container, instance, ROOTS, count(layout.root_count())?)?,
             nodes: elements(container, instance, NODES, count(layout.node_count())?)?,
@@ -93,6 +96,17 @@ impl<'a> ClusterTree<'a> {
             }
         }
         Err(Finding::new(Fault::SectionMissing).within(instance.section(NODES)))
+    }
+
+    /// Level `number`; the last one for numbers beyond.
+    #[inline]
+    pub fn level(&self, number: u32) -> &ClusterLevel {
+        let [first, second, third] = &self.levels;
+        match number {
+            0 => first,
+            1 => second,
+            _ => third,
+        }
     }
 
     /// That something of the tree is not there or not readable.

@@ -68,7 +68,7 @@ fn for_each_border_texel(
 pub(super) fn under_box<R: Region, L: Lobe, S: Sink>(
     tree: &ClusterTree<'_>,
     footprint: &Parallelogram,
-    walk: &mut Walk<'_, '_, R, L, S>,
+    walk: &mut Walk<'_, R, L, S>,
 ) -> Result<(), QueryError> {
     for_each_border_texel(tree, &footprint.bounds(), &mut |texel, part| {
         let weight = footprint.weight(&part);
@@ -83,7 +83,7 @@ pub(super) fn under_box<R: Region, L: Lobe, S: Sink>(
 pub(super) fn under_gaussian<R: Region, L: Lobe, S: Sink>(
     tree: &ClusterTree<'_>,
     footprint: &GaussianFootprint,
-    walk: &mut Walk<'_, '_, R, L, S>,
+    walk: &mut Walk<'_, R, L, S>,
 ) -> Result<(), QueryError> {
     let rectangles = footprint.rectangles();
     for_each_border_texel(tree, &footprint.bounds(), &mut |texel, part| {

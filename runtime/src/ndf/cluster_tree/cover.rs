@@ -1,12 +1,13 @@
 //! Which tiles a footprint meets: the coarsest that serve, down to those with leaves.
 
+use super::lanes::Place;
 use super::lobe::Lobe;
 use super::region::{BoxRegion, GaussianRegion, Origin, Region};
 use super::walk::{Sink, Walk};
 use crate::error::QueryError;
-use crate::overlap::{GaussianFootprint, Parallelogram, Probe, TexelBox};
+use crate::overlap::{GaussianFootprint, Parallelogram, TexelBox};
 use crate::scan::MapShape;
-use glintbake_format::model::{ClusterLayout, ClusterLevel, ClusterTile};
+use glintbake_format::model::{ClusterLevel, ClusterTile};
 use glintbake_format::view::ClusterTree;
 
 /// When tiles without leaves may stand for their texels.
@@ -27,7 +28,7 @@ struct Copy {
 
 /// What a tile is to a footprint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
+enum Tile {
     Outside,
     Inside,
     Cut,
@@ -49,7 +50,7 @@ struct Descent<'c, 'a, P> {
     copy: Copy,
 }
 
-impl<P: Fn(&ClusterTile, [i64; 2]) -> Place> Descent<'_, '_, P> {
+impl<P: Fn(&ClusterTile, [i64; 2]) -> Tile> Descent<'_, '_, P> {
     /// Visits the tiles of `level` in the columns and rows of `range` that the footprint meets.
     fn visit(
         &self,
@@ -58,8 +59,8 @@ impl<P: Fn(&ClusterTile, [i64; 2]) -> Place> Descent<'_, '_, P> {
         known_inside: bool,
         emit: &mut Emit<'_>,
     ) -> Result<(), QueryError> {
-        let level = self.tree.layout.level(number);
-        let [[from_x, to_x], [from_y, to_y]] = self.clip(&level, range);
+        let level = self.tree.level(number);
+        let [[from_x, to_x], [from_y, to_y]] = self.clip(level, range);
         for row in from_y..to_y {
             for column in from_x..to_x {
                 let tile = level.tile(column, row);
@@ -68,16 +69,16 @@ impl<P: Fn(&ClusterTile, [i64; 2]) -> Place> Descent<'_, '_, P> {
                     self.copy.texel[1] + i64::from(tile.origin[1]),
                 ];
                 let place = if known_inside {
-                    Place::Inside
+                    Tile::Inside
                 } else {
                     (self.place)(&tile, texel)
                 };
-                let inside = place == Place::Inside;
-                if place == Place::Outside {
+                let inside = place == Tile::Inside;
+                if place == Tile::Outside {
                     continue;
                 }
                 if number == 0 || ((inside || self.cut_coarse) && self.serves(&tile)?) {
-                    emit(&level, &tile, texel, inside)?;
+                    emit(level, &tile, texel, inside)?;
                 } else {
                     let finer = [[4 * column, 4 * column + 4], [4 * row, 4 * row + 4]];
                     self.visit(number - 1, finer, inside, emit)?;
@@ -94,11 +95,12 @@ impl<P: Fn(&ClusterTile, [i64; 2]) -> Place> Descent<'_, '_, P> {
 
     /// The part of `range` that the bounds reach.
     fn clip(&self, level: &ClusterLevel, range: [[u32; 2]; 2]) -> [[u32; 2]; 2] {
-        let side = f64::from(level.side);
+        // Of a power of two.
+        let share = 1.0 / f64::from(level.side);
         let axis = |low: f64, high: f64, copy: i64, [from, to]: [u32; 2], tiles: u32| {
             // Casts saturate.
-            let first = ((low - copy as f64) / side - 1e-6) as u32;
-            let last = ((high - copy as f64) / side + 1e-6) as u32;
+            let first = ((low - copy as f64) * share - 1e-6) as u32;
+            let last = ((high - copy as f64) * share + 1e-6) as u32;
             [from.max(first), to.min(tiles).min(last.saturating_add(1))]
         };
         let [columns, rows] = range;
@@ -111,16 +113,17 @@ impl<P: Fn(&ClusterTile, [i64; 2]) -> Place> Descent<'_, '_, P> {
 }
 
 /// The coarsest level of which a tile may lie in a box of `size` texels.
-fn top(layout: ClusterLayout, size: [f64; 2]) -> u32 {
+fn top(tree: &ClusterTree<'_>, size: [f64; 2]) -> u32 {
     let fits = |number: &u32| {
-        let level = layout.level(*number);
+        let level = tree.level(*number);
         // A map smaller than a tile is one.
-        let [width, height] = layout
+        let [width, height] = tree
+            .layout
             .map_size()
             .map(|size| f64::from(size.min(level.side)));
         size[0] >= width && size[1] >= height
     };
-    (1..layout.levels()).rev().find(fits).unwrap_or(0)
+    (1..tree.layout.levels()).rev().find(fits).unwrap_or(0)
 }
 
 const ALL: [[u32; 2]; 2] = [[0, u32::MAX]; 2];
@@ -136,7 +139,7 @@ pub(super) fn under_box<L: Lobe, S: Sink>(
     tree: &ClusterTree<'_>,
     region: &BoxRegion<'_>,
     coarse: Coarse,
-    walk: &mut Walk<'_, '_, BoxRegion<'_>, L, S>,
+    walk: &mut Walk<'_, BoxRegion<'_>, L, S>,
 ) -> Result<(), QueryError> {
     let footprint = region.footprint;
     let bounds = footprint.bounds();
@@ -144,7 +147,7 @@ pub(super) fn under_box<L: Lobe, S: Sink>(
         bounds.high[0] - bounds.low[0],
         bounds.high[1] - bounds.low[1],
     ];
-    let number = top(tree.layout, size);
+    let number = top(tree, size);
     let whole = for_each_copy(shape, footprint, &mut |copy| {
         let descent = Descent {
             tree,
@@ -153,20 +156,20 @@ pub(super) fn under_box<L: Lobe, S: Sink>(
             cut_coarse: false,
             copy: Copy { texel: copy },
             place: |tile: &ClusterTile, texel: [i64; 2]| {
-                let low = [texel[0] as f64, texel[1] as f64];
-                let relation = Probe::new(footprint, region.outline).relation(&TexelBox {
-                    low,
-                    high: [
-                        low[0] + f64::from(tile.size[0]),
-                        low[1] + f64::from(tile.size[1]),
-                    ],
+                let low = footprint.centred(texel[0] as f64, texel[1] as f64);
+                let half = tile.size.map(|size| 0.5 * f64::from(size));
+                let [outside, inside] = region.place(Place {
+                    x: (low[0] + half[0]) as f32,
+                    y: (low[1] + half[1]) as f32,
+                    half_x: half[0] as f32,
+                    half_y: half[1] as f32,
                 });
-                if relation.inside {
-                    Place::Inside
-                } else if relation.crossing {
-                    Place::Cut
+                if outside > 0.0 {
+                    Tile::Outside
+                } else if inside <= 0.0 && region.outline.is_some() {
+                    Tile::Inside
                 } else {
-                    Place::Outside
+                    Tile::Cut
                 }
             },
         };
@@ -189,7 +192,7 @@ pub(super) fn whole_map<R: Region, L: Lobe, S: Sink>(
     tree: &ClusterTree<'_>,
     coarse: Coarse,
     copies: f32,
-    walk: &mut Walk<'_, '_, R, L, S>,
+    walk: &mut Walk<'_, R, L, S>,
 ) -> Result<(), QueryError> {
     let [width, height] = tree.layout.map_size().map(f64::from);
     let descent = Descent {
@@ -201,7 +204,7 @@ pub(super) fn whole_map<R: Region, L: Lobe, S: Sink>(
         },
         cut_coarse: false,
         copy: Copy { texel: [0; 2] },
-        place: |_: &ClusterTile, _: [i64; 2]| Place::Inside,
+        place: |_: &ClusterTile, _: [i64; 2]| Tile::Inside,
     };
     let number = tree.layout.levels() - 1;
     descent.visit(number, ALL, true, &mut |level, tile, texel, _| {
@@ -249,7 +252,7 @@ pub(super) fn under_gaussian<L: Lobe, S: Sink>(
     region: &GaussianRegion<'_>,
     coarse: Coarse,
     limit: f32,
-    walk: &mut Walk<'_, '_, GaussianRegion<'_>, L, S>,
+    walk: &mut Walk<'_, GaussianRegion<'_>, L, S>,
 ) -> Result<(), QueryError> {
     let radius = libm::sqrt(2.0 * f64::from(limit));
     let [xx, yy, _] = footprint.covariance();
@@ -266,7 +269,7 @@ pub(super) fn under_gaussian<L: Lobe, S: Sink>(
     let least = footprint.least_deviation();
     let number = (1..tree.layout.levels())
         .rev()
-        .find(|&number| f64::from(tree.layout.level(number).side) <= least)
+        .find(|&number| f64::from(tree.level(number).side) <= least)
         .unwrap_or(0);
     let size = [i64::from(shape.width), i64::from(shape.height)];
     let copies = |axis: usize| {
@@ -295,9 +298,9 @@ pub(super) fn under_gaussian<L: Lobe, S: Sink>(
                     let half = tile.size.map(|size| 0.5 * f64::from(size));
                     let middle = [low[0] + half[0], low[1] + half[1]];
                     if region.least(middle, half) > limit {
-                        Place::Outside
+                        Tile::Outside
                     } else {
-                        Place::Cut
+                        Tile::Cut
                     }
                 },
             };

@@ -14,6 +14,9 @@ pub(super) const LANES: usize = 16;
 /// One number of each child or texel.
 pub(super) type Lanes = [f32; LANES];
 
+/// Texels of leaves that are opened anyway count down to e^-this.
+pub(super) const LEAST_TERM: f32 = 40.0;
+
 /// Below it `e^x` is taken as that: 5.5e-36.
 const LEAST_EXPONENT: f32 = -81.0;
 
@@ -32,16 +35,11 @@ pub(super) fn exponential(x: f32) -> f32 {
     let shifted = y + WHOLE;
     let rest = (y - (shifted - WHOLE)) * core::f32::consts::LN_2;
     let power = f32::from_bits(shifted.to_bits().wrapping_add(127) << 23);
-    // Taylor's series: |rest| is at most 0.35.
-    let series = 1.0
-        + rest
-            * (1.0
-                + rest
-                    * (0.5
-                        + rest
-                            * (1.0 / 6.0
-                                + rest
-                                    * (1.0 / 24.0 + rest * (1.0 / 120.0 + rest * (1.0 / 720.0))))));
+    // Taylor's series, as |rest| is at most 0.35, in an order that leaves the processor something to do at once.
+    let square = rest * rest;
+    let low = 0.5 + rest * (1.0 / 6.0);
+    let high = 1.0 / 24.0 + rest * (1.0 / 120.0) + square * (1.0 / 720.0);
+    let series = 1.0 + rest + square * (low + square * high);
     series * power
 }
 
@@ -56,18 +54,38 @@ pub(super) fn inverse_root(x: f32) -> f32 {
     y
 }
 
+/// The lesser one; the second if one is not a number.
+#[inline(always)]
+pub(super) fn min(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// `x` moved into 0 to 1.
+#[inline(always)]
+pub(super) fn unit(x: f32) -> f32 {
+    min(max(x, 0.0), 1.0)
+}
+
+/// Bit `1 << lane` of each lane.
+pub(super) const BITS: [u32; LANES] = {
+    let mut bits = [0; LANES];
+    let mut lane = 0;
+    while lane < LANES {
+        bits[lane] = 1 << lane;
+        lane += 1;
+    }
+    bits
+};
+
+/// The lowest `count` bits, of up to 16.
+#[inline(always)]
+pub(super) const fn first_bits(count: u32) -> u32 {
+    (1 << (count & 31)) - 1
+}
+
 /// A bit for each lane that is at most `limit`, the lowest for the first.
 #[inline(always)]
 pub(super) fn at_most(lanes: &Lanes, limit: f32) -> u32 {
-    const BITS: [u32; LANES] = {
-        let mut bits = [0; LANES];
-        let mut lane = 0;
-        while lane < LANES {
-            bits[lane] = 1 << lane;
-            lane += 1;
-        }
-        bits
-    };
     let mut mask = 0;
     for lane in 0..LANES {
         mask |= if lanes[lane] <= limit { BITS[lane] } else { 0 };
@@ -78,7 +96,6 @@ pub(super) fn at_most(lanes: &Lanes, limit: f32) -> u32 {
 /// The least of all lanes.
 #[inline(always)]
 pub(super) fn least(lanes: &Lanes) -> f32 {
-    let min = |a: f32, b: f32| if a < b { a } else { b };
     let mut halves = [0.0; 8];
     for lane in 0..8 {
         halves[lane] = min(lanes[lane], lanes[lane + 8]);
@@ -91,51 +108,187 @@ pub(super) fn least(lanes: &Lanes) -> f32 {
     min(min(a, b), min(c, d))
 }
 
-/// Half the squared distance from the origin to each child's box of normals, in a frame in which the node's box begins at `low`
-/// and has 255 steps of `step`.
+/// A box of normals, in a frame whose origin is the half vector: where it begins, and a 255th of its sides.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NormalBox {
+    pub low: [f32; 2],
+    pub step: [f32; 2],
+}
+
+impl NormalBox {
+    pub const NONE: Self = Self {
+        low: [0.0; 2],
+        step: [0.0; 2],
+    };
+
+    /// The box of child `lane` of `node`, whose own is this.
+    #[inline(always)]
+    pub fn child(&self, node: &ClusterNode, lane: usize) -> Self {
+        const SHARE: f32 = 1.0 / 255.0;
+        let lane = lane % LANES;
+        let of = |bytes: &[u8; LANES]| f32::from(bytes[lane]);
+        let (from_s, from_t) = (of(&node.low_s), of(&node.low_t));
+        Self {
+            low: [
+                self.low[0] + from_s * self.step[0],
+                self.low[1] + from_t * self.step[1],
+            ],
+            step: [
+                (of(&node.high_s) - from_s) * self.step[0] * SHARE,
+                (of(&node.high_t) - from_t) * self.step[1] * SHARE,
+            ],
+        }
+    }
+
+    /// Its sides.
+    #[inline(always)]
+    pub fn extent(&self) -> [f32; 2] {
+        self.step.map(|step| 255.0 * step)
+    }
+}
+
+/// What the normals of a node's children say.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Normals {
+    /// Half the squared distance of each child's box of normals from the origin.
+    pub distances: Lanes,
+    /// Those at most `limit` away.
+    pub alive: u32,
+    /// Those that may be taken as a Gaussian, as far as their normals go: the greater variance is at most `variance`, and that times
+    /// the square of half the longer side at most `tail`.
+    pub narrow: u32,
+}
+
+/// How the normals of `node`'s children lie, whose own box is `own`.
 #[inline(always)]
-pub(super) fn normal_distances(node: &ClusterNode, low: [f32; 2], step: [f32; 2]) -> Lanes {
+pub(super) fn normals(
+    node: &ClusterNode,
+    own: NormalBox,
+    limit: f32,
+    variance: f32,
+    tail: f32,
+) -> Normals {
+    const HALF: f32 = 0.5 / 255.0;
     let mut distances = [0.0; LANES];
+    let (mut alive, mut narrow) = (0, 0);
+    let [[low_s, low_t], [step_s, step_t]] = [own.low, own.step];
     for lane in 0..LANES {
-        let from_s = low[0] + f32::from(node.low_s[lane]) * step[0];
-        let to_s = low[0] + f32::from(node.high_s[lane]) * step[0];
-        let from_t = low[1] + f32::from(node.low_t[lane]) * step[1];
-        let to_t = low[1] + f32::from(node.high_t[lane]) * step[1];
+        let from_s = low_s + f32::from(node.low_s[lane]) * step_s;
+        let to_s = low_s + f32::from(node.high_s[lane]) * step_s;
+        let from_t = low_t + f32::from(node.low_t[lane]) * step_t;
+        let to_t = low_t + f32::from(node.high_t[lane]) * step_t;
         let s = max(max(from_s, -to_s), 0.0);
         let t = max(max(from_t, -to_t), 0.0);
-        distances[lane] = 0.5 * (s * s + t * t);
+        let distance = 0.5 * (s * s + t * t);
+        distances[lane] = distance;
+        alive |= if distance <= limit { BITS[lane] } else { 0 };
+        let (side_s, side_t) = (to_s - from_s, to_t - from_t);
+        let deviation_s = f32::from(node.deviation_s[lane]) * HALF * side_s;
+        let deviation_t = f32::from(node.deviation_t[lane]) * HALF * side_t;
+        let most = max(deviation_s * deviation_s, deviation_t * deviation_t);
+        let side = 0.5 * max(side_s, side_t);
+        let excess = max(most - variance, most * side * side - tail);
+        narrow |= if excess <= 0.0 { BITS[lane] } else { 0 };
     }
-    distances
+    Normals {
+        distances,
+        alive,
+        narrow,
+    }
 }
 
-/// Middle and half sides of each child's box of positions, in texels from wherever `origin` is counted from.
+/// What a node says of one child's normals as a whole, in the node's frame.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Places {
-    pub x: Lanes,
-    pub y: Lanes,
-    pub half_x: Lanes,
-    pub half_y: Lanes,
+pub(super) struct Moments {
+    pub mean: [f32; 2],
+    /// Variance of s, covariance, variance of t.
+    pub covariance: [f32; 3],
 }
 
-/// The boxes of positions of `node`'s children, in a tile that begins at `origin`, stored in units of `unit` texels.
-#[inline(always)]
-pub(super) fn places(node: &ClusterNode, origin: [f32; 2], unit: f32) -> Places {
-    let half = 0.5 * unit;
-    let mut places = Places {
-        x: [0.0; LANES],
-        y: [0.0; LANES],
-        half_x: [0.0; LANES],
-        half_y: [0.0; LANES],
-    };
-    for lane in 0..LANES {
-        let (from, to) = (f32::from(node.low_x[lane]), f32::from(node.high_x[lane]));
-        places.x[lane] = origin[0] + half * (from + to + 1.0);
-        places.half_x[lane] = half * (to - from + 1.0);
-        let (from, to) = (f32::from(node.low_y[lane]), f32::from(node.high_y[lane]));
-        places.y[lane] = origin[1] + half * (from + to + 1.0);
-        places.half_y[lane] = half * (to - from + 1.0);
+impl Moments {
+    /// Of child `lane` of `node`, whose box is `own`.
+    #[inline(always)]
+    pub fn of(node: &ClusterNode, lane: usize, own: NormalBox) -> Self {
+        const SHARE: f32 = 1.0 / 255.0;
+        let lane = lane % LANES;
+        let [[low_s, low_t], [step_s, step_t]] = [own.low, own.step];
+        let (from_s, from_t) = (f32::from(node.low_s[lane]), f32::from(node.low_t[lane]));
+        let side_s = (f32::from(node.high_s[lane]) - from_s) * step_s;
+        let side_t = (f32::from(node.high_t[lane]) - from_t) * step_t;
+        let deviation_s = f32::from(node.deviation_s[lane]) * (0.5 * SHARE) * side_s;
+        let deviation_t = f32::from(node.deviation_t[lane]) * (0.5 * SHARE) * side_t;
+        let correlation = (f32::from(node.correlation[lane]) - 127.0) * (1.0 / 127.0);
+        Self {
+            mean: [
+                low_s + from_s * step_s + f32::from(node.mean_s[lane]) * SHARE * side_s,
+                low_t + from_t * step_t + f32::from(node.mean_t[lane]) * SHARE * side_t,
+            ],
+            covariance: [
+                deviation_s * deviation_s,
+                correlation * deviation_s * deviation_t,
+                deviation_t * deviation_t,
+            ],
+        }
     }
-    places
+}
+
+/// Where a tile lies: the offset of its first texel from wherever places are counted, and texels to a stored unit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    pub offset: [f32; 2],
+    pub unit: f32,
+}
+
+/// Middle and half sides of a box of texels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub x: f32,
+    pub y: f32,
+    pub half_x: f32,
+    pub half_y: f32,
+}
+
+impl Place {
+    /// The box of positions of child `lane` of `node`, in a tile that lies at `frame`.
+    #[inline(always)]
+    pub fn of(node: &ClusterNode, lane: usize, frame: Frame) -> Self {
+        let lane = lane % LANES;
+        let half = 0.5 * frame.unit;
+        let (from_x, to_x) = (f32::from(node.low_x[lane]), f32::from(node.high_x[lane]));
+        let (from_y, to_y) = (f32::from(node.low_y[lane]), f32::from(node.high_y[lane]));
+        Self {
+            x: frame.offset[0] + half * (from_x + to_x + 1.0),
+            half_x: half * (to_x - from_x + 1.0),
+            y: frame.offset[1] + half * (from_y + to_y + 1.0),
+            half_y: half * (to_y - from_y + 1.0),
+        }
+    }
+}
+
+/// How the texels of a cluster lie in its box.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spread {
+    /// Mean place from the middle of the box, in texels.
+    pub mean: [f32; 2],
+    /// Mean of the variances of column and row, as a share of the squares of the box's sides added up.
+    pub variance: f32,
+}
+
+impl Spread {
+    /// That of child `lane` of `node`, whose box is `place`.
+    #[inline(always)]
+    pub fn of(node: &ClusterNode, lane: usize, place: Place) -> Self {
+        const SHARE: f32 = 2.0 / 255.0;
+        let lane = lane % LANES;
+        let deviation = f32::from(node.deviation_xy[lane] & 63) * (1.0 / 63.0);
+        Self {
+            mean: [
+                (f32::from(node.mean_x[lane]) * SHARE - 1.0) * place.half_x,
+                (f32::from(node.mean_y[lane]) * SHARE - 1.0) * place.half_y,
+            ],
+            variance: deviation * deviation * 0.125,
+        }
+    }
 }
 
 /// The texels of a leaf.
@@ -147,147 +300,145 @@ pub(super) struct Texels {
     /// Normals, in the frame of the leaf's box.
     pub s: Lanes,
     pub t: Lanes,
+    /// Half the squared distance of each from the origin; endless for those that are not there.
+    pub distances: Lanes,
 }
 
-/// The texels of a narrow leaf whose box begins at `low` and runs over `extent`.
-#[inline(always)]
-pub(super) fn narrow_texels(
-    leaf: &ClusterLeaf,
-    bits: LeafBits,
-    low: [f32; 2],
-    extent: [f32; 2],
-) -> Texels {
-    let mut texels = Texels {
+impl Texels {
+    pub const NONE: Self = Self {
         x: [0.0; LANES],
         y: [0.0; LANES],
         s: [0.0; LANES],
         t: [0.0; LANES],
+        distances: [0.0; LANES],
     };
-    let most = 1.0 / bits.most() as f32;
-    let step = [extent[0] * most, extent[1] * most];
-    let (to_y, to_s) = (bits.x & 7, (bits.x + bits.y) & 15);
-    let to_t = (to_s + bits.normal) & 31;
-    let (mask_x, mask_y) = ((1_u32 << to_y) - 1, (1_u32 << (bits.y & 7)) - 1);
-    let mask = bits.most();
-    for lane in 0..LANES {
-        let word = leaf.0[lane].get();
-        texels.x[lane] = (word & mask_x) as i32 as f32;
-        texels.y[lane] = ((word >> to_y) & mask_y) as i32 as f32;
-        texels.s[lane] = low[0] + ((word >> to_s) & mask) as i32 as f32 * step[0];
-        texels.t[lane] = low[1] + ((word >> to_t) & mask) as i32 as f32 * step[1];
-    }
-    texels
-}
 
-/// The texels of a wide leaf, of which `fine` has the lower bits.
-#[inline(always)]
-pub(super) fn wide_texels(
-    leaf: &ClusterLeaf,
-    fine: &FineBits,
-    bits: LeafBits,
-    low: [f32; 2],
-    extent: [f32; 2],
-) -> Texels {
-    let whole = bits.most() as f32 * 16.0 + 15.0;
-    let unit = [extent[0] / whole, extent[1] / whole];
-    // With this extent the narrow part steps by 16 units.
-    let coarse = bits.most() as f32 * 16.0;
-    let mut texels = narrow_texels(leaf, bits, low, [unit[0] * coarse, unit[1] * coarse]);
-    for lane in 0..LANES {
-        let byte = fine.0[lane];
-        texels.s[lane] += f32::from(byte & 15) * unit[0];
-        texels.t[lane] += f32::from(byte >> 4) * unit[1];
-    }
-    texels
-}
-
-/// The texels of a leaf with a palette, in a frame of which `origin` is the origin and `scale` the unit; columns and rows are
-/// those of the tile.
-pub(super) fn palette_texels(leaf: &ClusterLeaf, origin: [f64; 2], scale: f64) -> Texels {
-    const UNIT: f64 = glintbake_format::records::PALETTE_UNIT;
-    let mut texels = Texels {
-        x: [0.0; LANES],
-        y: [0.0; LANES],
-        s: [0.0; LANES],
-        t: [0.0; LANES],
-    };
-    let mut colours = [[0.0_f32; 2]; 4];
-    for colour in 0..4 {
-        for axis in 0..2 {
-            let component = f64::from(leaf.0[2 * colour + axis].get() as i32) * UNIT;
-            colours[colour][axis] = ((component - origin[axis]) * scale) as f32;
+    /// Reads the first `count` texels of a narrow leaf in the box `own`; returns those at most `limit` away.
+    #[inline(always)]
+    pub fn read_narrow(
+        &mut self,
+        leaf: &ClusterLeaf,
+        bits: LeafBits,
+        own: NormalBox,
+        count: u32,
+        limit: f32,
+    ) -> u32 {
+        let share = 255.0 / bits.most() as f32;
+        let (step_s, step_t) = (own.step[0] * share, own.step[1] * share);
+        let [low_s, low_t] = own.low;
+        let (to_y, to_s) = (bits.x & 7, (bits.x + bits.y) & 15);
+        let to_t = (to_s + bits.normal) & 31;
+        let (mask_x, mask_y) = ((1_u32 << to_y) - 1, (1_u32 << (bits.y & 7)) - 1);
+        let mask = bits.most();
+        let (mut near, there) = (0, first_bits(count));
+        for lane in 0..LANES {
+            let word = leaf.0[lane].get();
+            self.x[lane] = (word & mask_x) as i32 as f32;
+            self.y[lane] = ((word >> to_y) & mask_y) as i32 as f32;
+            let s = low_s + ((word >> to_s) & mask) as i32 as f32 * step_s;
+            let t = low_t + ((word >> to_t) & mask) as i32 as f32 * step_t;
+            self.s[lane] = s;
+            self.t[lane] = t;
+            let distance = 0.5 * (s * s + t * t);
+            let distance = if BITS[lane] & there != 0 {
+                distance
+            } else {
+                f32::INFINITY
+            };
+            self.distances[lane] = distance;
+            near |= if distance <= limit { BITS[lane] } else { 0 };
         }
+        near
     }
-    for lane in 0..LANES {
-        let entry = leaf.0[8 + lane / 2].get() >> (16 * (lane % 2));
-        let [s, t] = colours[(entry & 3) as usize];
-        texels.s[lane] = s;
-        texels.t[lane] = t;
-        texels.x[lane] = ((entry >> 2) & 63) as i32 as f32;
-        texels.y[lane] = ((entry >> 8) & 63) as i32 as f32;
+
+    /// Likewise of a wide leaf, of which `fine` has the lower bits.
+    #[inline(always)]
+    pub fn read_wide(
+        &mut self,
+        leaf: &ClusterLeaf,
+        fine: &FineBits,
+        bits: LeafBits,
+        own: NormalBox,
+        count: u32,
+        limit: f32,
+    ) -> u32 {
+        let share = 255.0 / (bits.most() as f32 * 16.0 + 15.0);
+        let (step_s, step_t) = (own.step[0] * share, own.step[1] * share);
+        let [low_s, low_t] = own.low;
+        let (to_y, to_s) = (bits.x & 7, (bits.x + bits.y) & 15);
+        let to_t = (to_s + bits.normal) & 31;
+        let (mask_x, mask_y) = ((1_u32 << to_y) - 1, (1_u32 << (bits.y & 7)) - 1);
+        let mask = bits.most();
+        let (mut near, there) = (0, first_bits(count));
+        for lane in 0..LANES {
+            let word = leaf.0[lane].get();
+            let finer = u32::from(fine.0[lane]);
+            self.x[lane] = (word & mask_x) as i32 as f32;
+            self.y[lane] = ((word >> to_y) & mask_y) as i32 as f32;
+            let whole_s = ((word >> to_s) & mask) << 4 | finer & 15;
+            let whole_t = ((word >> to_t) & mask) << 4 | finer >> 4;
+            let s = low_s + whole_s as i32 as f32 * step_s;
+            let t = low_t + whole_t as i32 as f32 * step_t;
+            self.s[lane] = s;
+            self.t[lane] = t;
+            let distance = 0.5 * (s * s + t * t);
+            let distance = if BITS[lane] & there != 0 {
+                distance
+            } else {
+                f32::INFINITY
+            };
+            self.distances[lane] = distance;
+            near |= if distance <= limit { BITS[lane] } else { 0 };
+        }
+        near
     }
-    texels
-}
 
-/// What a node says of one child, beyond its box of positions.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Child {
-    /// Where its box of normals begins, and how far it runs, in the frame of the node.
-    pub low: [f32; 2],
-    pub extent: [f32; 2],
-    /// Mean normal.
-    pub mean: [f32; 2],
-    /// Variance of s, covariance, variance of t.
-    pub covariance: [f32; 3],
-    /// First column and row, and how many more there are.
-    pub first: [u8; 2],
-    pub more: [u8; 2],
-    /// Mean place as a share of the box.
-    pub place: [f32; 2],
-    /// Mean of the variances of column and row, as a share of the squares of the box's sides added up.
-    pub place_variance: f32,
-    /// Kind of leaf in bits 6-7.
-    pub kind: u8,
-}
-
-/// Child `lane` of `node`, whose box begins at `low` and has 255 steps of `step`.
-#[inline(always)]
-pub(super) fn child(node: &ClusterNode, lane: usize, low: [f32; 2], step: [f32; 2]) -> Child {
-    const SHARE: f32 = 1.0 / 255.0;
-    let lane = lane % LANES;
-    let of = |bytes: &[u8; LANES]| f32::from(bytes[lane]);
-    let (from_s, from_t) = (of(&node.low_s), of(&node.low_t));
-    let own = [low[0] + from_s * step[0], low[1] + from_t * step[1]];
-    let extent = [
-        (of(&node.high_s) - from_s) * step[0],
-        (of(&node.high_t) - from_t) * step[1],
-    ];
-    let deviation = [
-        of(&node.deviation_s) * (0.5 * SHARE) * extent[0],
-        of(&node.deviation_t) * (0.5 * SHARE) * extent[1],
-    ];
-    let correlation = (of(&node.correlation) - 127.0) * (1.0 / 127.0);
-    let spread = f32::from(node.deviation_xy[lane] & 63) * (1.0 / 63.0);
-    Child {
-        low: own,
-        extent,
-        mean: [
-            own[0] + of(&node.mean_s) * SHARE * extent[0],
-            own[1] + of(&node.mean_t) * SHARE * extent[1],
-        ],
-        covariance: [
-            deviation[0] * deviation[0],
-            correlation * deviation[0] * deviation[1],
-            deviation[1] * deviation[1],
-        ],
-        first: [node.low_x[lane], node.low_y[lane]],
-        more: [
-            node.high_x[lane].wrapping_sub(node.low_x[lane]),
-            node.high_y[lane].wrapping_sub(node.low_y[lane]),
-        ],
-        place: [of(&node.mean_x) * SHARE, of(&node.mean_y) * SHARE],
-        place_variance: spread * spread * 0.125,
-        kind: node.deviation_xy[lane],
+    /// Likewise of a leaf with a palette, in a frame of which `origin` is the origin and `scale` the unit; columns and rows are
+    /// those of the tile.
+    #[inline(always)]
+    pub fn read_palette(
+        &mut self,
+        leaf: &ClusterLeaf,
+        origin: [f64; 2],
+        scale: f64,
+        count: u32,
+        limit: f32,
+    ) -> u32 {
+        const UNIT: f64 = glintbake_format::records::PALETTE_UNIT;
+        let mut colours = [0.0_f32; 8];
+        for at in 0..8 {
+            let component = f64::from(leaf.0[at].get() as i32) * UNIT;
+            colours[at] = ((component - origin[at % 2]) * scale) as f32;
+        }
+        let mut entries = [0_u32; LANES];
+        for pair in 0..8 {
+            let word = leaf.0[8 + pair].get();
+            entries[2 * pair] = word & 0xFFFF;
+            entries[2 * pair + 1] = word >> 16;
+        }
+        let [s0, t0, s1, t1, s2, t2, s3, t3] = colours;
+        let (mut near, there) = (0, first_bits(count));
+        for lane in 0..LANES {
+            let entry = entries[lane];
+            let (is_odd, is_upper) = (entry & 1 != 0, entry & 2 != 0);
+            let (low_s, high_s) = (if is_odd { s1 } else { s0 }, if is_odd { s3 } else { s2 });
+            let (low_t, high_t) = (if is_odd { t1 } else { t0 }, if is_odd { t3 } else { t2 });
+            let s = if is_upper { high_s } else { low_s };
+            let t = if is_upper { high_t } else { low_t };
+            self.s[lane] = s;
+            self.t[lane] = t;
+            self.x[lane] = ((entry >> 2) & 63) as i32 as f32;
+            self.y[lane] = ((entry >> 8) & 63) as i32 as f32;
+            let distance = 0.5 * (s * s + t * t);
+            let distance = if BITS[lane] & there != 0 {
+                distance
+            } else {
+                f32::INFINITY
+            };
+            self.distances[lane] = distance;
+            near |= if distance <= limit { BITS[lane] } else { 0 };
+        }
+        near
     }
 }
 
@@ -301,26 +452,6 @@ pub(super) fn get(lanes: &Lanes, lane: usize) -> f32 {
 #[inline(always)]
 pub(super) fn set(lanes: &mut Lanes, lane: usize, value: f32) {
     lanes[lane % LANES] = value;
-}
-
-/// Sets every lane from number `count` to `value`.
-#[inline(always)]
-pub(super) fn set_from(lanes: &mut Lanes, count: u32, value: f32) {
-    if (count as usize) < LANES {
-        for lane in &mut lanes[count as usize..] {
-            *lane = value;
-        }
-    }
-}
-
-/// Calls `make` for each lane.
-#[inline(always)]
-pub(super) fn each(mut make: impl FnMut(usize) -> f32) -> Lanes {
-    let mut lanes = [0.0; LANES];
-    for lane in 0..LANES {
-        lanes[lane] = make(lane);
-    }
-    lanes
 }
 
 #[cfg(test)]

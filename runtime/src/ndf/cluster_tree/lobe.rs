@@ -3,14 +3,14 @@
 //! Normals are given by their offset (s, t) from the half vector on the disk, in units of σr. Terms are shares of the kernel's
 //! peak, `1 / (2π σr²)` of either kernel.
 
-use super::lanes::{Lanes, each, exponential, get, inverse_root, max};
+use super::lanes::{exponential, inverse_root, max};
 use crate::microfacet::vector::frame;
 use glintbake_format::model::HalfVector;
 
 /// Terms of a kernel.
 pub(super) trait Lobe: Copy {
-    /// Exponents and factors of texels: a term is `factor e^-exponent`. An exponent is at least `(s² + t²) / 2`.
-    fn exponents(&self, s: &Lanes, t: &Lanes) -> (Lanes, Lanes);
+    /// Exponent and factor of a texel: its term is `factor e^-exponent`. The exponent is at least `(s² + t²) / 2`.
+    fn exponent(&self, s: f32, t: f32) -> [f32; 2];
 
     /// A cluster's distance from the half vector in the kernel's own chart, its covariance there, and the factor at its mean.
     fn chart(&self, mean: [f32; 2], covariance: [f32; 3]) -> Chart;
@@ -51,12 +51,8 @@ pub(super) struct Disk;
 
 impl Lobe for Disk {
     #[inline(always)]
-    fn exponents(&self, s: &Lanes, t: &Lanes) -> (Lanes, Lanes) {
-        let exponents = each(|lane| {
-            let (s, t) = (get(s, lane), get(t, lane));
-            0.5 * (s * s + t * t)
-        });
-        (exponents, [1.0; super::lanes::LANES])
+    fn exponent(&self, s: f32, t: f32) -> [f32; 2] {
+        [0.5 * (s * s + t * t), 1.0]
     }
 
     #[inline(always)]
@@ -114,25 +110,20 @@ const LEAST_COSINE: f32 = 1e-4;
 
 impl Lobe for Beckmann {
     #[inline(always)]
-    fn exponents(&self, s: &Lanes, t: &Lanes) -> (Lanes, Lanes) {
-        let mut factors = [0.0; super::lanes::LANES];
-        let mut exponents = [0.0; super::lanes::LANES];
-        let all = factors.iter_mut().zip(&mut exponents).zip(s.iter().zip(t));
-        for ((factor, exponent), (&s, &t)) in all {
-            let ([ds, dt, dz], _) = self.difference(s, t);
-            let square = ds * ds + dt * dt + dz * dz;
-            let chord = square * (self.sigma * self.sigma);
-            let cosine = 1.0 - 0.5 * chord;
-            let bounded = max(cosine, LEAST_COSINE);
-            let inverse = 1.0 / (bounded * bounded);
-            *exponent = 0.5 * square * (1.0 - 0.25 * chord) * inverse;
-            *factor = if cosine > LEAST_COSINE {
-                inverse * inverse
-            } else {
-                0.0
-            };
-        }
-        (exponents, factors)
+    fn exponent(&self, s: f32, t: f32) -> [f32; 2] {
+        let ([ds, dt, dz], _) = self.difference(s, t);
+        let square = ds * ds + dt * dt + dz * dz;
+        let chord = square * (self.sigma * self.sigma);
+        let cosine = 1.0 - 0.5 * chord;
+        let bounded = max(cosine, LEAST_COSINE);
+        let inverse = 1.0 / (bounded * bounded);
+        let exponent = 0.5 * square * (1.0 - 0.25 * chord) * inverse;
+        let factor = if cosine > LEAST_COSINE {
+            inverse * inverse
+        } else {
+            0.0
+        };
+        [exponent, factor]
     }
 
     #[inline(always)]
@@ -141,14 +132,8 @@ impl Lobe for Beckmann {
         let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let chord = dot(d, d) * (self.sigma * self.sigma);
         let cosine = 1.0 - 0.5 * chord;
-        if cosine <= LEAST_COSINE {
-            return Chart {
-                mean: [0.0; 2],
-                covariance: [f32::MAX, 0.0, f32::MAX],
-                factor: 0.0,
-            };
-        }
-        let inverse = 1.0 / cosine;
+        let is_seen = cosine > LEAST_COSINE;
+        let inverse = 1.0 / max(cosine, LEAST_COSINE);
         let g = [dot(d, self.first) * inverse, dot(d, self.second) * inverse];
         // m is the normal; ∂m/∂s = (1, 0, -m_s / m_z), and likewise for t.
         let m = [self.h[0] + s * self.sigma, self.h[1] + t * self.sigma];
@@ -175,7 +160,65 @@ impl Lobe for Beckmann {
                 a * c * ss + (a * e + b * c) * st + b * e * tt,
                 c * c * ss + 2.0 * c * e * st + e * e * tt,
             ],
-            factor: square * square,
+            factor: if is_seen { square * square } else { 0.0 },
         }
+    }
+}
+
+/// [`Beckmann`] where all normals that count are so near to the half vector that series stand for its roots and quotients:
+/// half the operations, and none that others wait for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NarrowBeckmann {
+    whole: Beckmann,
+    /// Twice the half vector, in units of 1 / σr: the fall of height along s and t.
+    slope: [f32; 2],
+    /// σr² / z².
+    curve: f32,
+    /// z / σr.
+    height: f32,
+    /// σr².
+    variance: f32,
+}
+
+impl NarrowBeckmann {
+    /// The kernel about `half_vector` of deviation `sigma`, if series are good for all exponents up to `limit`: within 1e-5 of
+    /// the exponents and 5e-5 of the factors.
+    pub fn new(half_vector: HalfVector, sigma: f64, limit: f32) -> Option<Self> {
+        let [x, y, z] = half_vector.direction();
+        let reach = libm::sqrt(2.0 * f64::from(limit)) * sigma;
+        let tilt = libm::sqrt(x * x + y * y);
+        let is_near = reach * (2.0 * tilt + reach) <= 0.12 * z * z && reach * reach <= 0.02;
+        is_near.then(|| Self {
+            whole: Beckmann::new(half_vector, sigma),
+            slope: [(2.0 * x / sigma) as f32, (2.0 * y / sigma) as f32],
+            curve: (sigma * sigma / (z * z)) as f32,
+            height: (z / sigma) as f32,
+            variance: (sigma * sigma) as f32,
+        })
+    }
+}
+
+impl Lobe for NarrowBeckmann {
+    /// With q = 1 - z'²/z² for a normal of height z', `z - z' = z (1 - √(1 - q)) = z (q/2 + q²/8 + q³/16 + 5 q⁴/128 + …)`. With
+    /// c the squared chord, `tan² = c (1 - c/4) / (1 - c/2)² = c (1 + 3c/4 + c²/2 + …)` and `1 / cos⁴ = 1 + 2c + 5c²/2 + …`.
+    #[inline(always)]
+    fn exponent(&self, s: f32, t: f32) -> [f32; 2] {
+        let flat = s * s + t * t;
+        let q = (flat + s * self.slope[0] + t * self.slope[1]) * self.curve;
+        let square = q * q;
+        let fall = self.height * (q * (0.5 + 0.125 * q) + square * q * (0.0625 + 0.039_062_5 * q));
+        let whole = flat + fall * fall;
+        let chord = whole * self.variance;
+        // Beyond where series are good for it is what is on the disk that keeps terms small.
+        let exponent = max(
+            0.5 * whole * (1.0 + chord * (0.75 + 0.5 * chord)),
+            0.5 * flat,
+        );
+        [exponent, 1.0 + chord * (2.0 + 2.5 * chord)]
+    }
+
+    #[inline(always)]
+    fn chart(&self, mean: [f32; 2], covariance: [f32; 3]) -> Chart {
+        self.whole.chart(mean, covariance)
     }
 }

@@ -41,8 +41,8 @@ use glintbake_format::model::{
 use glintbake_format::records::Instance;
 use glintbake_format::view::ClusterTree as Tree;
 use glintbake_format::{Container, Fault, Finding};
-use lanes::{LANES, Lanes, Texels};
-use lobe::{Beckmann, Disk, Lobe};
+use lanes::{LANES, Lanes};
+use lobe::{Beckmann, Disk, Lobe, NarrowBeckmann};
 use region::{BoxRegion, GaussianRegion, Region};
 use walk::{Centre, Sink, Walk};
 
@@ -174,6 +174,10 @@ impl<'a> ClusterTree<'a> {
         match self.kernel {
             Kernel::Disk => self.under(footprint, half_vector, centre, Disk, knobs, sink),
             Kernel::Beckmann | Kernel::BinAverage => {
+                let limit = knobs.limits.exponent;
+                if let Some(lobe) = NarrowBeckmann::new(half_vector, sigma, limit) {
+                    return self.under(footprint, half_vector, centre, lobe, knobs, sink);
+                }
                 let lobe = Beckmann::new(half_vector, sigma);
                 self.under(footprint, half_vector, centre, lobe, knobs, sink)
             }
@@ -200,7 +204,7 @@ impl<'a> ClusterTree<'a> {
                 }
                 let outline = Outline::new(&placed);
                 let region = BoxRegion::new(&placed, outline.as_ref(), S::STRICT);
-                let mut walk = Walk::new(tree, &region, lobe, centre, knobs.limits, sink);
+                let mut walk = Walk::new(tree, region, lobe, centre, knobs.limits, sink);
                 walk.set_unit(region.unit());
                 under_box(shape, tree, &region, coarse, &mut walk)?;
                 if shape.wrap == Wrap::Clamp && !shape.holds(&placed) {
@@ -215,7 +219,7 @@ impl<'a> ClusterTree<'a> {
                     return Ok(sink);
                 }
                 let region = GaussianRegion::new(&placed, knobs.weight);
-                let mut walk = Walk::new(tree, &region, lobe, centre, knobs.limits, sink);
+                let mut walk = Walk::new(tree, region, lobe, centre, knobs.limits, sink);
                 let size = [f64::from(shape.width), f64::from(shape.height)];
                 if shape.wrap == Wrap::Repeat
                     && placed.least_deviation_in_tiles(size[0], size[1]) >= EVEN_DEVIATION
@@ -306,7 +310,6 @@ impl<'a> ClusterTree<'a> {
 struct Sum {
     unit: f64,
     lanes: Lanes,
-    clusters: f32,
     total: f64,
 }
 
@@ -314,7 +317,6 @@ impl Sum {
     const NONE: Self = Self {
         unit: 1.0,
         lanes: [0.0; LANES],
-        clusters: 0.0,
         total: 0.0,
     };
 }
@@ -326,15 +328,10 @@ impl Sink for Sum {
     }
 
     #[inline(always)]
-    fn texels(&mut self, terms: &Lanes, _: &Lanes, _: &Texels) {
+    fn terms(&mut self, terms: &Lanes, _: &Lanes, _: &Lanes, _: &Lanes) {
         for (sum, term) in self.lanes.iter_mut().zip(terms) {
             *sum += term;
         }
-    }
-
-    #[inline(always)]
-    fn cluster(&mut self, term: f32, _: f32, _: [f32; 2]) {
-        self.clusters += term;
     }
 
     fn exact(&mut self, term: f64, _: f64, _: [f64; 2]) {
@@ -343,9 +340,8 @@ impl Sink for Sum {
 
     fn flush(&mut self) {
         let lanes: f64 = self.lanes.iter().map(|&sum| f64::from(sum)).sum();
-        self.total += (lanes + f64::from(self.clusters)) * self.unit;
+        self.total += lanes * self.unit;
         self.lanes = [0.0; LANES];
-        self.clusters = 0.0;
     }
 }
 
@@ -379,19 +375,13 @@ impl Sink for Visit<'_> {
         self.unit = unit;
     }
 
-    fn texels(&mut self, terms: &Lanes, weights: &Lanes, texels: &Texels) {
-        let normals = texels.s.iter().zip(&texels.t);
+    fn terms(&mut self, terms: &Lanes, weights: &Lanes, s: &Lanes, t: &Lanes) {
+        let normals = s.iter().zip(t);
         for ((&term, &weight), (&s, &t)) in terms.iter().zip(weights).zip(normals) {
             let unit = self.unit;
             let offset = [f64::from(s), f64::from(t)];
             self.facet(f64::from(term) * unit, f64::from(weight) * unit, offset);
         }
-    }
-
-    fn cluster(&mut self, term: f32, weight: f32, mean: [f32; 2]) {
-        let unit = self.unit;
-        let offset = mean.map(f64::from);
-        self.facet(f64::from(term) * unit, f64::from(weight) * unit, offset);
     }
 
     fn exact(&mut self, term: f64, weight: f64, offset: [f64; 2]) {

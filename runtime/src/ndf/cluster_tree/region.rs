@@ -1,17 +1,28 @@
 //! The footprint as nodes and leaves see it: which boxes of texels it misses, covers or cuts, and what it weighs them.
 //!
 //! Boxes are tested in single precision relative to the footprint's centre, with slack for all rounding: what is in doubt counts
-//! as cut. A texel that is cut by one side has a share in closed form, all sixteen of a leaf at once; those at corners, and of
-//! footprints narrower than a texel, are weighed in double precision.
+//! as cut. Texels under a box have a share in closed form, all sixteen of a leaf at once, but of footprints thinner than a
+//! twentieth of a texel, which are weighed in double precision.
 
-use super::lanes::{Child, LANES, Lanes, Places, Texels, each, get, max, set};
+#![expect(
+    clippy::indexing_slicing,
+    clippy::needless_range_loop,
+    reason = "arrays of 16 by numbers below 16, which compilers see and checked indexing would hide from them"
+)]
+
+use super::lanes::{
+    BITS, LANES, LEAST_TERM, Lanes, Place, Spread, Texels, exponential, first_bits, get, max, min,
+    set, unit,
+};
 use crate::overlap::{GaussianFootprint, Outline, Parallelogram, TexelBox};
 
 /// Rounding of a coordinate relative to the footprint's or tile's size, with a margin.
 const SLACK: f32 = 2e-6;
+/// Width in texels below which boxes are weighed in double precision.
+const THIN: f64 = 0.05;
 
 /// A tile of the tree as the footprint sees it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Origin {
     /// First column and row, tile copies counted on.
     pub texel: [i64; 2],
@@ -19,41 +30,32 @@ pub(super) struct Origin {
     pub offset: [f32; 2],
 }
 
-/// How sixteen boxes lie: a bit each.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Relations {
-    /// May hold weight.
-    pub meets: u32,
-    /// All its texels have one weight.
-    pub inside: u32,
-}
-
 /// A footprint.
-pub(super) trait Region {
+pub(super) trait Region: Copy {
     /// Whether texels beyond those that are met have weight.
     const HAS_TAIL: bool;
 
-    /// How far the mean product of weight and term of a cluster's texels can be from `weight` times their mean term, as a share
-    /// of the greatest term, in units of [`unit`](Self::unit).
-    fn weight_error(&self, child: &Child, offset: [f32; 2], unit: f32, weight: f32) -> f32;
+    /// How far the mean product of weight and term of a cluster's texels, in the box `place`, can be from `weight` times their
+    /// mean term, as a share of the greatest term, in units of [`unit`](Self::unit).
+    fn weight_error(&self, place: Place, weight: f32) -> f32;
 
-    /// How boxes lie whose normals are at least `exponents` away; those beyond `limit` in all are missed.
-    fn relations(&self, places: &Places, exponents: &Lanes, limit: f32) -> Relations;
+    /// How the box `place` lies, whose normals' exponents are at least `exponent`: it may hold weight of exponents up to
+    /// `limit` in all if the first number is at most 0, and all its texels weigh the same if the second is.
+    fn relation(&self, place: Place, exponent: f32, limit: f32) -> [f32; 2];
 
-    /// The mean weight of the cluster that `child` tells of, in a tile at `offset` with positions in `unit` texels, if it hardly
-    /// depends on where the cluster's texels lie, or `always`; `exponent` is the least of its normals. Not asked of a cluster
-    /// that is inside.
-    fn cluster_weight(
+    /// The mean weight of a cluster in the box `place`, whose normals' exponents are at least `exponent`, and what is at most 0
+    /// if it hardly depends on where the cluster's texels lie. Not asked of a cluster that is inside.
+    fn cluster_weight(&self, place: Place, spread: Spread, exponent: f32) -> [f32; 2];
+
+    /// What the first `count` texels weigh, in units of [`unit`](Self::unit); others any number.
+    fn weights(
         &self,
-        child: &Child,
-        offset: [f32; 2],
-        unit: f32,
-        exponent: f32,
-        always: bool,
-    ) -> Option<f32>;
-
-    /// What texels weigh, in units of [`unit`](Self::unit), those whose bit is set in `wanted`; others any number.
-    fn weights(&self, texels: &Texels, origin: &Origin, first: [u8; 2], wanted: u32) -> Lanes;
+        texels: &Texels,
+        origin: &Origin,
+        first: [u8; 2],
+        count: u32,
+        weights: &mut Lanes,
+    );
 
     /// The weight of a texel that counts 1 in sums.
     fn unit(&self) -> f64;
@@ -82,7 +84,7 @@ impl Share {
             depth: half + 0.5 * (long + short),
             long,
             short,
-            scale: 1.0 / (long * short),
+            scale: 0.5 / (long * short),
         }
     }
 
@@ -93,13 +95,61 @@ impl Share {
     #[inline(always)]
     fn of(&self, distance: f32) -> f32 {
         let depth = self.depth - distance.abs();
-        let whole = self.long + self.short;
-        let d = if depth < whole { depth } else { whole };
-        let ramp = |x: f32| {
-            let x = max(x, 0.0);
-            0.5 * x * x
+        let d = max(min(depth, self.long + self.short), 0.0);
+        let (a, b) = (max(d - self.short, 0.0), max(d - self.long, 0.0));
+        (d * d - a * a - b * b) * self.scale
+    }
+}
+
+/// One side of a parallelogram, for the area below it.
+#[derive(Clone, Copy, Debug)]
+struct Side {
+    /// Where it begins, and the x where it ends, from the footprint's centre.
+    from: [f32; 2],
+    to_x: f32,
+    slope: f32,
+}
+
+impl Side {
+    fn new(from: [f64; 2], to: [f64; 2]) -> Self {
+        let run = to[0] - from[0];
+        Self {
+            from: from.map(|x| x as f32),
+            to_x: to[0] as f32,
+            slope: if run == 0.0 {
+                0.0
+            } else {
+                // So steep a side spans no width that counts.
+                ((to[1] - from[1]) / run).clamp(-1e9, 1e9) as f32
+            },
+        }
+    }
+
+    /// The area below it within the texel whose low corner is (x, y): the integral, over the part of the side's width that is the
+    /// texel's, of its height cut off at the texel's. Negative if it runs to the left.
+    ///
+    /// Heights at either end, a and b, are cut off to a' and b'. The share of the way that is within the texel is
+    /// `(b' - a') / (b - a)`, at a mean height of `(a' + b') / 2`, and that above it counts as 1.
+    #[inline(always)]
+    fn area(&self, x: f32, y: f32) -> f32 {
+        let from = self.from[0] - x;
+        let (a_x, b_x) = (unit(from), unit(self.to_x - x));
+        let base = self.from[1] - y;
+        let (a, b) = (
+            base + (a_x - from) * self.slope,
+            base + (b_x - from) * self.slope,
+        );
+        let (a_cut, b_cut) = (unit(a), unit(b));
+        let climb = b - a;
+        let is_level = climb.abs() < 1e-20;
+        let inverse = 1.0 / if is_level { 1.0 } else { climb };
+        let within = if is_level {
+            1.0
+        } else {
+            (b_cut - a_cut) * inverse
         };
-        (ramp(d) - ramp(d - self.short) - ramp(d - self.long)) * self.scale
+        let above = (max(b, 1.0) - max(a, 1.0)) * inverse;
+        (b_x - a_x) * (0.5 * within * (a_cut + b_cut) + above)
     }
 }
 
@@ -110,16 +160,18 @@ pub(super) struct BoxRegion<'a> {
     pub outline: Option<&'a Outline>,
     /// Unit vectors across each pair of sides; zero for a side without length.
     across: [[f32; 2]; 2],
-    /// Half the distance of each pair of sides.
+    /// Half the distance of each pair of sides, less slack.
     half: [f32; 2],
     /// Half the sides of the bounding box.
     extent: [f32; 2],
     /// The share of a texel between each pair of sides.
     shares: [Share; 2],
+    sides: [Side; 4],
     /// Whether no texel meets both sides of a pair, and shares will do.
     is_wide: bool,
-    /// Greatest coordinate that is met, for slack.
-    size: f32,
+    /// Whether texels that are cut are weighed in double precision.
+    is_exact: bool,
+    slack: f32,
     unit: f64,
 }
 
@@ -132,28 +184,48 @@ impl<'a> BoxRegion<'a> {
             0.5 * (bounds.high[1] - bounds.low[1]),
         ];
         let area = footprint.area();
-        let strips = footprint.edges().map(|[x, y]| {
+        let [first, second] = footprint.edges();
+        let strips = [first, second].map(|[x, y]| {
             let length = libm::sqrt(x * x + y * y);
             if length > 0.0 {
                 let across = [(-y / length) as f32, (x / length) as f32];
-                (across, (0.5 * area / length) as f32)
+                (across, 0.5 * area / length)
             } else {
                 ([0.0; 2], 0.0)
             }
         });
+        let corner = |a: f64, b: f64| {
+            [
+                0.5 * (a * first[0] + b * second[0]),
+                0.5 * (a * first[1] + b * second[1]),
+            ]
+        };
+        let corners = [
+            corner(-1.0, -1.0),
+            corner(1.0, -1.0),
+            corner(1.0, 1.0),
+            corner(-1.0, 1.0),
+        ];
+        let [a, b, c, d] = corners;
+        let is_thin = strips.iter().any(|(_, half)| 2.0 * half < THIN);
         Self {
             footprint,
             outline,
             across: strips.map(|(across, _)| across),
-            half: strips.map(|(_, half)| half),
-            shares: strips.map(|(across, half)| Share::new(across, half)),
-            is_wide: !exact
-                && outline.is_some()
-                && strips
-                    .iter()
-                    .all(|([x, y], half)| *half > 0.5 * (x.abs() + y.abs()) + 1e-3),
+            half: strips.map(|(_, half)| half as f32),
+            shares: strips.map(|(across, half)| Share::new(across, half as f32)),
+            sides: [
+                Side::new(a, b),
+                Side::new(b, c),
+                Side::new(c, d),
+                Side::new(d, a),
+            ],
+            is_wide: strips
+                .iter()
+                .all(|([x, y], half)| *half > 0.5 * f64::from(x.abs() + y.abs()) + 1e-3),
+            is_exact: exact || is_thin || outline.is_none(),
             extent: extent.map(|extent| extent as f32),
-            size: (extent[0] + extent[1]) as f32 + 1024.0,
+            slack: SLACK * ((extent[0] + extent[1]) as f32 + 1024.0),
             // Too thin a footprint has no texel inside: its cut ones are weighed as they are.
             unit: if outline.is_some() {
                 footprint.texel_weight()
@@ -163,7 +235,14 @@ impl<'a> BoxRegion<'a> {
         }
     }
 
+    /// How the box `place` lies: beyond the footprint if the first number is above 0, wholly inside if the second is at most 0.
+    #[inline(always)]
+    pub fn place(&self, place: Place) -> [f32; 2] {
+        self.relation(place, 0.0, 0.0)
+    }
+
     /// The exact weight of the texel in `column` and `row`, tile copies counted on, in units of [`Region::unit`].
+    #[inline(never)]
     fn exact(&self, column: i64, row: i64) -> f32 {
         let weight = match self.outline {
             Some(outline) => {
@@ -180,97 +259,118 @@ impl<'a> BoxRegion<'a> {
         weight as f32
     }
 
-    #[inline(always)]
-    fn lanes(&self, places: &Places) -> (Lanes, Lanes) {
-        let [[a_x, a_y], [b_x, b_y]] = self.across;
-        // How far inside the farthest corner, and how far outside the nearest, lies of either pair of sides.
-        let slack = SLACK * self.size;
-        let mut inside = [0.0; LANES];
-        let outside = each(|lane| {
-            let (x, y) = (get(&places.x, lane), get(&places.y, lane));
-            let (half_x, half_y) = (get(&places.half_x, lane), get(&places.half_y, lane));
-            let a = (x * a_x + y * a_y).abs();
-            let b = (x * b_x + y * b_y).abs();
-            let reach_a = half_x * a_x.abs() + half_y * a_y.abs();
-            let reach_b = half_x * b_x.abs() + half_y * b_y.abs();
-            let strips = max(a - reach_a - self.half[0], b - reach_b - self.half[1]);
-            let bounds = max(
-                x.abs() - half_x - self.extent[0],
-                y.abs() - half_y - self.extent[1],
-            );
-            max(strips, bounds) - slack
-        });
-        for (lane, inside) in inside.iter_mut().enumerate() {
-            let (x, y) = (get(&places.x, lane), get(&places.y, lane));
-            let (half_x, half_y) = (get(&places.half_x, lane), get(&places.half_y, lane));
-            let a = (x * a_x + y * a_y).abs() + half_x * a_x.abs() + half_y * a_y.abs();
-            let b = (x * b_x + y * b_y).abs() + half_x * b_x.abs() + half_y * b_y.abs();
-            *inside = max(a - self.half[0], b - self.half[1]) + slack;
-        }
-        (outside, inside)
-    }
-}
-
-impl Region for BoxRegion<'_> {
-    const HAS_TAIL: bool = false;
-
-    fn weight_error(&self, _: &Child, _: [f32; 2], _: f32, _: f32) -> f32 {
-        1.0
-    }
-
-    #[inline(always)]
-    fn relations(&self, places: &Places, _: &Lanes, _: f32) -> Relations {
-        let (outside, inside) = self.lanes(places);
-        let inside = if self.outline.is_some() {
-            super::lanes::at_most(&inside, 0.0)
-        } else {
-            0
-        };
-        Relations {
-            meets: super::lanes::at_most(&outside, 0.0),
-            inside,
-        }
-    }
-
-    #[inline(always)]
-    fn cluster_weight(&self, _: &Child, _: [f32; 2], _: f32, _: f32, _: bool) -> Option<f32> {
-        None
-    }
-
-    #[inline(always)]
-    fn weights(&self, texels: &Texels, origin: &Origin, first: [u8; 2], wanted: u32) -> Lanes {
-        let [first_x, first_y] = first.map(f32::from);
-        let corner = [
-            origin.offset[0] + first_x + 0.5,
-            origin.offset[1] + first_y + 0.5,
-        ];
-        let (mut both, mut weights) = ([0.0; LANES], [0.0; LANES]);
-        for lane in 0..LANES {
-            let x = corner[0] + get(&texels.x, lane);
-            let y = corner[1] + get(&texels.y, lane);
-            let a = self.shares[0].of(x * self.across[0][0] + y * self.across[0][1]);
-            let b = self.shares[1].of(x * self.across[1][0] + y * self.across[1][1]);
-            set(&mut weights, lane, a * b);
-            // Negative where a side of either pair may cut the texel, so that a product of shares is not its area.
-            set(&mut both, lane, max(a, b) - WHOLE_SHARE);
-        }
-        let whole = !super::lanes::at_most(&both, 0.0);
-        let any = !super::lanes::at_most(&weights, 0.0);
-        // Of a narrow footprint the exact weight also tells what is outside.
-        let mut corners = if self.is_wide {
-            any & wanted & !whole
-        } else {
-            wanted
-        };
-        while corners != 0 {
-            let lane = corners.trailing_zeros() as usize;
-            corners &= corners - 1;
+    /// The weights, in double precision, of texels whose bit is set in `wanted`; 0 of others.
+    fn exact_weights(
+        &self,
+        texels: &Texels,
+        origin: &Origin,
+        first: [u8; 2],
+        wanted: u32,
+    ) -> Lanes {
+        let mut weights = [0.0; LANES];
+        let mut rest = wanted;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
             // Whole numbers below 128.
             let column = get(&texels.x, lane) as i64 + i64::from(first[0]) + origin.texel[0];
             let row = get(&texels.y, lane) as i64 + i64::from(first[1]) + origin.texel[1];
             set(&mut weights, lane, self.exact(column, row));
         }
         weights
+    }
+}
+
+impl Region for BoxRegion<'_> {
+    const HAS_TAIL: bool = false;
+
+    fn weight_error(&self, _: Place, _: f32) -> f32 {
+        1.0
+    }
+
+    #[inline(always)]
+    fn relation(&self, place: Place, _: f32, _: f32) -> [f32; 2] {
+        let [[a_x, a_y], [b_x, b_y]] = self.across;
+        let Place {
+            x,
+            y,
+            half_x,
+            half_y,
+        } = place;
+        let a = (x * a_x + y * a_y).abs() - self.half[0];
+        let b = (x * b_x + y * b_y).abs() - self.half[1];
+        let reach_a = half_x * a_x.abs() + half_y * a_y.abs();
+        let reach_b = half_x * b_x.abs() + half_y * b_y.abs();
+        let outside = max(
+            max(a - reach_a, b - reach_b),
+            max(
+                x.abs() - half_x - self.extent[0],
+                y.abs() - half_y - self.extent[1],
+            ),
+        );
+        let inside = max(a + reach_a, b + reach_b);
+        [outside - self.slack, inside + self.slack]
+    }
+
+    #[inline(always)]
+    fn cluster_weight(&self, _: Place, _: Spread, _: f32) -> [f32; 2] {
+        [0.0, 1.0]
+    }
+
+    #[inline(always)]
+    fn weights(
+        &self,
+        texels: &Texels,
+        origin: &Origin,
+        first: [u8; 2],
+        count: u32,
+        weights: &mut Lanes,
+    ) {
+        let (low_x, low_y) = (
+            origin.offset[0] + f32::from(first[0]),
+            origin.offset[1] + f32::from(first[1]),
+        );
+        if self.is_exact {
+            let mut met = 0;
+            for lane in 0..LANES {
+                let place = Place {
+                    x: low_x + texels.x[lane] + 0.5,
+                    y: low_y + texels.y[lane] + 0.5,
+                    half_x: 0.5,
+                    half_y: 0.5,
+                };
+                let [outside, _] = self.relation(place, 0.0, 0.0);
+                let is_met = (outside <= 0.0) & (texels.distances[lane] <= LEAST_TERM);
+                met |= if is_met { BITS[lane] } else { 0 };
+            }
+            *weights = self.exact_weights(texels, origin, first, first_bits(count) & met);
+            return;
+        }
+        if self.is_wide {
+            let [[a_x, a_y], [b_x, b_y]] = self.across;
+            let [a_share, b_share] = self.shares;
+            let mut corners = 0;
+            for lane in 0..LANES {
+                let (x, y) = (low_x + texels.x[lane] + 0.5, low_y + texels.y[lane] + 0.5);
+                let a = a_share.of(x * a_x + y * a_y);
+                let b = b_share.of(x * b_x + y * b_y);
+                let share = a * b;
+                weights[lane] = share;
+                // Where a side of either pair may cut the texel, so that a product of shares is not its area.
+                let is_corner = (max(a, b) < WHOLE_SHARE) & (share > 0.0);
+                corners |= if is_corner { BITS[lane] } else { 0 };
+            }
+            if corners & first_bits(count) == 0 {
+                return;
+            }
+        }
+        let sides = self.sides;
+        for lane in 0..LANES {
+            let (x, y) = (low_x + texels.x[lane], low_y + texels.y[lane]);
+            let [a, b, c, d] = &sides;
+            let area = a.area(x, y) + b.area(x, y) + c.area(x, y) + d.area(x, y);
+            weights[lane] = unit(area.abs());
+        }
     }
 
     fn unit(&self) -> f64 {
@@ -328,7 +428,13 @@ impl<'a> GaussianRegion<'a> {
 
     /// Least and greatest exponents over a box.
     #[inline(always)]
-    fn range(&self, x: f32, y: f32, half_x: f32, half_y: f32) -> (f32, f32) {
+    fn range(&self, place: Place) -> (f32, f32) {
+        let Place {
+            x,
+            y,
+            half_x,
+            half_y,
+        } = place;
         let [[a, _], [b, c]] = self.root;
         let (u, v) = ((a * x).abs(), (b * x + c * y).abs());
         let (reach_u, reach_v) = (a * half_x, b.abs() * half_x + c * half_y);
@@ -342,12 +448,12 @@ impl<'a> GaussianRegion<'a> {
 
     /// The least exponent over a box of texels, for tiles.
     pub fn least(&self, middle: [f64; 2], half: [f64; 2]) -> f32 {
-        let (least, _) = self.range(
-            middle[0] as f32,
-            middle[1] as f32,
-            half[0] as f32,
-            half[1] as f32,
-        );
+        let (least, _) = self.range(Place {
+            x: middle[0] as f32,
+            y: middle[1] as f32,
+            half_x: half[0] as f32,
+            half_y: half[1] as f32,
+        });
         least
     }
 }
@@ -355,103 +461,76 @@ impl<'a> GaussianRegion<'a> {
 impl Region for GaussianRegion<'_> {
     const HAS_TAIL: bool = true;
 
-    fn weight_error(&self, child: &Child, offset: [f32; 2], unit: f32, weight: f32) -> f32 {
-        let sides = child.more.map(|more| unit * (f32::from(more) + 1.0));
-        let middle = [
-            offset[0] + unit * f32::from(child.first[0]) + 0.5 * sides[0],
-            offset[1] + unit * f32::from(child.first[1]) + 0.5 * sides[1],
-        ];
-        let (least, most) = self.range(middle[0], middle[1], 0.5 * sides[0], 0.5 * sides[1]);
-        let (high, low) = (
-            super::lanes::exponential(-least),
-            super::lanes::exponential(-most),
-        );
+    fn weight_error(&self, place: Place, weight: f32) -> f32 {
+        let (least, most) = self.range(place);
+        let (high, low) = (exponential(-least), exponential(-most));
         // Weights range from `low` to `high`, and so does their mean; term and weight may go together.
         (high - low) + max((weight - low).abs(), (high - weight).abs())
     }
 
     #[inline(always)]
-    fn relations(&self, places: &Places, exponents: &Lanes, limit: f32) -> Relations {
-        let least = each(|lane| {
-            let (least, _) = self.range(
-                get(&places.x, lane),
-                get(&places.y, lane),
-                get(&places.half_x, lane),
-                get(&places.half_y, lane),
-            );
-            least + get(exponents, lane)
-        });
-        Relations {
-            meets: super::lanes::at_most(&least, limit),
-            inside: 0,
-        }
+    fn relation(&self, place: Place, exponent: f32, limit: f32) -> [f32; 2] {
+        let (least, _) = self.range(place);
+        [least + exponent - limit, 1.0]
     }
 
     #[inline(always)]
-    fn cluster_weight(
-        &self,
-        child: &Child,
-        offset: [f32; 2],
-        unit: f32,
-        exponent: f32,
-        always: bool,
-    ) -> Option<f32> {
-        if !self.is_smooth {
-            return None;
-        }
-        let sides = child.more.map(|more| unit * (f32::from(more) + 1.0));
-        let low = [
-            offset[0] + unit * f32::from(child.first[0]),
-            offset[1] + unit * f32::from(child.first[1]),
-        ];
-        let (least, most) = self.range(
-            low[0] + 0.5 * sides[0],
-            low[1] + 0.5 * sides[1],
-            0.5 * sides[0],
-            0.5 * sides[1],
-        );
+    fn cluster_weight(&self, place: Place, spread: Spread, exponent: f32) -> [f32; 2] {
+        let (least, most) = self.range(place);
         // What is small matters less.
-        if !always && most - least > self.tolerance * (1.0 + 0.5 * (exponent + least)) {
-            return None;
-        }
-        let x = low[0] + child.place[0] * sides[0];
-        let y = low[1] + child.place[1] * sides[1];
+        let excess = most - least - self.tolerance * (1.0 + 0.5 * (exponent + least));
+        let (x, y) = (place.x + spread.mean[0], place.y + spread.mean[1]);
         // The cluster's places as a Gaussian that is as much longer than wide as its box.
-        let variance = 2.0 * child.place_variance;
+        let variance = 8.0 * spread.variance;
         let [xx, yy, xy] = self.covariance;
         let (a, b) = (
-            xx + variance * sides[0] * sides[0],
-            yy + variance * sides[1] * sides[1],
+            xx + variance * place.half_x * place.half_x,
+            yy + variance * place.half_y * place.half_y,
         );
         let determinant = a * b - xy * xy;
         let root = super::lanes::inverse_root(determinant);
         let square = (b * x * x - 2.0 * xy * x * y + a * y * y) * root * root;
-        Some(self.area * root * super::lanes::exponential(-0.5 * max(square, 0.0)))
+        let weight = self.area * root * exponential(-0.5 * max(square, 0.0));
+        [
+            weight,
+            if self.is_smooth {
+                excess
+            } else {
+                f32::INFINITY
+            },
+        ]
     }
 
     #[inline(always)]
-    fn weights(&self, texels: &Texels, origin: &Origin, first: [u8; 2], wanted: u32) -> Lanes {
+    fn weights(
+        &self,
+        texels: &Texels,
+        origin: &Origin,
+        first: [u8; 2],
+        count: u32,
+        weights: &mut Lanes,
+    ) {
         if self.is_smooth {
             let [[a, _], [b, c]] = self.root;
-            let corner = [
+            let (low_x, low_y) = (
                 origin.offset[0] + f32::from(first[0]) + 0.5,
                 origin.offset[1] + f32::from(first[1]) + 0.5,
-            ];
-            return each(|lane| {
-                let x = corner[0] + get(&texels.x, lane);
-                let y = corner[1] + get(&texels.y, lane);
+            );
+            for lane in 0..LANES {
+                let (x, y) = (low_x + texels.x[lane], low_y + texels.y[lane]);
                 let (u, v) = (a * x, b * x + c * y);
-                super::lanes::exponential(-0.5 * (u * u + v * v))
-            });
-        }
-        each(|lane| {
-            if wanted >> lane & 1 == 0 {
-                return 0.0;
+                weights[lane] = exponential(-0.5 * (u * u + v * v));
             }
-            let column = get(&texels.x, lane) as i64 + i64::from(first[0]) + origin.texel[0];
-            let row = get(&texels.y, lane) as i64 + i64::from(first[1]) + origin.texel[1];
-            self.footprint.texel_weight(column, row) as f32
-        })
+            return;
+        }
+        for (lane, weight) in weights.iter_mut().enumerate() {
+            *weight = 0.0;
+            if (lane as u32) < count && get(&texels.distances, lane) <= LEAST_TERM {
+                let column = get(&texels.x, lane) as i64 + i64::from(first[0]) + origin.texel[0];
+                let row = get(&texels.y, lane) as i64 + i64::from(first[1]) + origin.texel[1];
+                *weight = self.footprint.texel_weight(column, row) as f32;
+            }
+        }
     }
 
     fn unit(&self) -> f64 {

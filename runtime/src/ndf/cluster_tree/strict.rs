@@ -1,7 +1,7 @@
 //! Sums with a bound of their error.
 
 use super::accuracy::Knobs;
-use super::lanes::{Lanes, Texels};
+use super::lanes::Lanes;
 use super::walk::Sink;
 use super::{ClusterTree, Sum};
 use glintbake_format::model::{Filter, HalfVector};
@@ -70,12 +70,8 @@ impl Sink for Strict {
         self.sum.unit(unit);
     }
 
-    fn texels(&mut self, terms: &Lanes, weights: &Lanes, texels: &Texels) {
-        self.sum.texels(terms, weights, texels);
-    }
-
-    fn cluster(&mut self, term: f32, weight: f32, mean: [f32; 2]) {
-        self.sum.cluster(term, weight, mean);
+    fn terms(&mut self, terms: &Lanes, weights: &Lanes, s: &Lanes, t: &Lanes) {
+        self.sum.terms(terms, weights, s, t);
     }
 
     fn exact(&mut self, term: f64, weight: f64, offset: [f64; 2]) {

@@ -4,22 +4,32 @@
 //! a query waits for is memory, and this way it waits for many nodes at once. Queues are of fixed size; a full one is worked
 //! off before more is added.
 
-use super::lanes::{self, Child, Lanes, Texels, child, exponential, get, set_from};
+#![expect(
+    clippy::indexing_slicing,
+    clippy::needless_range_loop,
+    reason = "arrays of 16 by numbers below 16, which compilers see and checked indexing would hide from them"
+)]
+
+use super::lanes::{
+    self, BITS, Frame, LANES, LEAST_TERM, Lanes, Moments, NormalBox, Normals, Place, Spread,
+    Texels, exponential, get, max,
+};
 use super::lobe::Lobe;
 use super::region::{Origin, Region};
 use crate::error::QueryError;
-use core::hint::black_box;
-use glintbake_format::Finding;
+use crate::simd::{Instructions, Work, fetch};
 use glintbake_format::model::{ClusterTile, TileShape};
-use glintbake_format::records::{LeafBits, LeafKind};
+use glintbake_format::records::{ClusterNode, FineBits, LeafBits, LeafKind};
 use glintbake_format::view::ClusterTree;
 
 /// Tiles walked together.
 const TILES: usize = 16;
-/// Nodes or leaves that wait at one depth.
-const QUEUE: usize = 32;
-/// Places that must be free for the children of one node.
-const ROOM: usize = QUEUE - 16;
+/// Nodes that wait.
+const NODES: usize = 128;
+/// From this many on the newest is looked at first, so that its whole subtree has room: 15 more for each of three depths.
+const CROWDED: usize = NODES - 3 * 16;
+/// Leaves that wait.
+const LEAVES: usize = 32;
 
 /// How much a walk may leave out or approximate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,11 +56,8 @@ pub(super) trait Sink {
     /// Weights given from now on are in this unit, but those of [`exact`](Self::exact).
     fn unit(&mut self, unit: f64);
 
-    /// Texels at `texels`, and what they weigh; those without term have a term of 0.
-    fn texels(&mut self, terms: &Lanes, weights: &Lanes, texels: &Texels);
-
-    /// A cluster of weight `weight`, of mean normal `mean`.
-    fn cluster(&mut self, term: f32, weight: f32, mean: [f32; 2]);
+    /// Texels or clusters of normals (s, t), and what they weigh; those without term have a term of 0.
+    fn terms(&mut self, terms: &Lanes, weights: &Lanes, s: &Lanes, t: &Lanes);
 
     /// A texel of weight `weight`, its normal `offset` from the half vector in units of σr.
     fn exact(&mut self, term: f64, weight: f64, offset: [f64; 2]);
@@ -75,64 +82,118 @@ struct Slot {
     has_leaves: bool,
 }
 
+const NO_SLOT: Slot = Slot {
+    shape: TileShape {
+        texels: 1,
+        clusters: 1,
+    },
+    first_node: 0,
+    first_leaf: 0,
+    origin: Origin {
+        texel: [0; 2],
+        offset: [0.0; 2],
+    },
+    unit: 1.0,
+    even: 0,
+    copies: 0.0,
+    has_leaves: false,
+};
+
 /// A node to open.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Node {
-    /// Number in its tile.
-    number: u32,
-    slot: u32,
+    own: NormalBox,
+    /// Its place.
+    place: u32,
     /// First bottom cluster, and number of them.
-    first: u32,
-    count: u32,
-    low: [f32; 2],
-    step: [f32; 2],
-    depth: u32,
+    first: u16,
+    count: u16,
+    /// Number in its tile.
+    number: u16,
+    slot: u8,
     inside: bool,
 }
 
 /// A leaf to sum up.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Leaf {
+    own: NormalBox,
     leaf: u32,
-    slot: u32,
-    /// Place of its node, and its number among the children there.
+    /// Place of its node.
     node: u32,
-    lane: u32,
-    texels: u32,
-    low: [f32; 2],
-    extent: [f32; 2],
-    first: [u8; 2],
-    more: [u8; 2],
-    kind: u8,
+    texels: u8,
+    /// Its number among the children there.
+    lane: u8,
+    slot: u8,
     inside: bool,
 }
 
-/// A queue of fixed size.
+impl Node {
+    const NONE: Self = Self {
+        own: NormalBox::NONE,
+        place: 0,
+        first: 0,
+        count: 0,
+        number: 0,
+        slot: 0,
+        inside: false,
+    };
+}
+
+impl Leaf {
+    const NONE: Self = Self {
+        own: NormalBox::NONE,
+        leaf: 0,
+        node: 0,
+        texels: 0,
+        lane: 0,
+        slot: 0,
+        inside: false,
+    };
+}
+
+/// A queue of fixed size, of a power of two.
 #[derive(Clone, Debug)]
-struct Queue<T> {
-    items: [T; QUEUE],
+struct Queue<T, const SIZE: usize> {
+    items: [T; SIZE],
+    start: usize,
     count: usize,
 }
 
-impl<T: Copy + Default> Queue<T> {
-    fn new() -> Self {
+impl<T: Copy, const SIZE: usize> Queue<T, SIZE> {
+    #[inline(always)]
+    const fn new(none: T) -> Self {
         Self {
-            items: [T::default(); QUEUE],
+            items: [none; SIZE],
+            start: 0,
             count: 0,
         }
     }
 
     #[inline(always)]
     fn push(&mut self, item: T) {
-        if let Some(slot) = self.items.get_mut(self.count) {
+        let at = (self.start + self.count) % SIZE;
+        if let Some(slot) = self.items.get_mut(at) {
             *slot = item;
-            self.count += 1;
         }
+        self.count += 1;
     }
 
+    /// Takes the oldest, or the newest if there are `crowded` or more.
     #[inline(always)]
-    fn get(&self, place: usize) -> Option<&T> {
-        self.items.get(..self.count)?.get(place)
+    fn pop(&mut self, crowded: usize) -> Option<T> {
+        if self.count == 0 {
+            return None;
+        }
+        self.count -= 1;
+        let at = if self.count >= crowded {
+            (self.start + self.count) % SIZE
+        } else {
+            let at = self.start;
+            self.start = (at + 1) % SIZE;
+            at
+        };
+        self.items.get(at).copied()
     }
 }
 
@@ -146,46 +207,29 @@ pub(super) struct Centre {
 }
 
 /// A walk over tiles.
-pub(super) struct Walk<'a, 'w, R, L, S> {
+pub(super) struct Walk<'a, R, L, S> {
     tree: &'a ClusterTree<'a>,
-    region: &'w R,
+    region: R,
     lobe: L,
     centre: Centre,
     limits: Limits,
     pub sink: S,
     slots: [Slot; TILES],
     slot_count: usize,
-    /// Nodes by their height above the tile's root.
-    nodes: [Queue<Node>; 3],
-    leaves: Queue<Leaf>,
+    nodes: Queue<Node, NODES>,
+    leaves: Queue<Leaf, LEAVES>,
 }
 
-impl<'a, 'w, R: Region, L: Lobe, S: Sink> Walk<'a, 'w, R, L, S> {
+impl<'a, R: Region, L: Lobe, S: Sink> Walk<'a, R, L, S> {
     #[inline(always)]
     pub fn new(
         tree: &'a ClusterTree<'a>,
-        region: &'w R,
+        region: R,
         lobe: L,
         centre: Centre,
         limits: Limits,
         sink: S,
     ) -> Self {
-        let slot = Slot {
-            shape: TileShape {
-                texels: 1,
-                clusters: 1,
-            },
-            first_node: 0,
-            first_leaf: 0,
-            origin: Origin {
-                texel: [0; 2],
-                offset: [0.0; 2],
-            },
-            unit: 1.0,
-            even: 0,
-            copies: 0.0,
-            has_leaves: false,
-        };
         Self {
             tree,
             region,
@@ -193,10 +237,10 @@ impl<'a, 'w, R: Region, L: Lobe, S: Sink> Walk<'a, 'w, R, L, S> {
             centre,
             limits,
             sink,
-            slots: [slot; TILES],
+            slots: [NO_SLOT; TILES],
             slot_count: 0,
-            nodes: [Queue::new(), Queue::new(), Queue::new()],
-            leaves: Queue::new(),
+            nodes: Queue::new(Node::NONE),
+            leaves: Queue::new(Leaf::NONE),
         }
     }
 
@@ -213,15 +257,15 @@ impl<'a, 'w, R: Region, L: Lobe, S: Sink> Walk<'a, 'w, R, L, S> {
             (normal[1] - point[1]) * scale,
         ];
         let [s, t] = offset.map(|x| x as f32);
-        let (exponents, factors) = self.lobe.exponents(&[s; lanes::LANES], &[t; lanes::LANES]);
-        let term = f64::from(get(&factors, 0)) * f64::from(exponential(-get(&exponents, 0)));
-        if get(&exponents, 0) <= LEAST_TERM {
+        let [exponent, factor] = self.lobe.exponent(s, t);
+        if exponent <= LEAST_TERM {
+            let term = f64::from(factor) * f64::from(exponential(-exponent));
             self.sink.exact(term * weight, weight, offset);
         }
     }
 
     /// Adds `tile`, at `origin`, of positions in `unit` texels; `copies` times, if it is `inside`.
-    #[inline(always)]
+    #[inline]
     pub fn tile(
         &mut self,
         tile: &ClusterTile,
@@ -252,283 +296,284 @@ impl<'a, 'w, R: Region, L: Lobe, S: Sink> Walk<'a, 'w, R, L, S> {
             };
         }
         let Centre { point, scale } = self.centre;
-        let low = [
-            ((f64::from(root.low[0].get()) - point[0]) * scale) as f32,
-            ((f64::from(root.low[1].get()) - point[1]) * scale) as f32,
-        ];
-        let step = root.step.map(|step| (f64::from(step.get()) * scale) as f32);
-        let node = Node {
-            number: 0,
-            slot: self.slot_count as u32,
-            first: 0,
-            count: tile.shape.clusters,
-            low,
-            step,
-            depth: tile.shape.depth(),
-            inside,
+        let own = NormalBox {
+            low: [
+                ((f64::from(root.low[0].get()) - point[0]) * scale) as f32,
+                ((f64::from(root.low[1].get()) - point[1]) * scale) as f32,
+            ],
+            step: root.step.map(|step| (f64::from(step.get()) * scale) as f32),
         };
-        self.fetch_node(tile.first_node as u32);
-        let [first, ..] = &mut self.nodes;
-        first.push(node);
+        let place = tile.first_node as u32;
+        fetch_node(self.tree, place);
+        self.nodes.push(Node {
+            own,
+            place,
+            first: 0,
+            count: tile.shape.clusters as u16,
+            number: 0,
+            slot: self.slot_count as u8,
+            inside,
+        });
         self.slot_count += 1;
         Ok(())
     }
 
-    /// Asks memory for the four lines of a node.
-    #[inline(always)]
-    fn fetch_node(&self, place: u32) {
-        if let Some(node) = self.tree.nodes.get(place as usize) {
-            let [a, ..] = node.low_s;
-            let [b, ..] = node.mean_s;
-            let [c, ..] = node.correlation;
-            let [d, ..] = node.high_y;
-            black_box((a, b, c, d));
-        }
-    }
-
     /// Walks all tiles that wait.
-    #[inline(always)]
+    #[inline(never)]
     pub fn run(&mut self) -> Result<(), QueryError> {
-        self.open_first()?;
+        let instructions = if S::STRICT {
+            Instructions::Portable
+        } else {
+            Instructions::Fastest
+        };
+        let done = instructions.run(Run { walk: self });
         self.slot_count = 0;
         self.sink.flush();
-        Ok(())
+        done
     }
+}
+
+/// Asks memory for the four lines of a node.
+#[inline(always)]
+fn fetch_node(tree: &ClusterTree<'_>, place: u32) {
+    if let Some(node) = tree.nodes.get(place as usize) {
+        fetch(&node.low_s);
+        fetch(&node.mean_s);
+        fetch(&node.correlation);
+        fetch(&node.high_y);
+    }
+}
+
+/// Walking the tiles that wait, as work for whatever vectors there are.
+struct Run<'r, 'a, R, L, S> {
+    walk: &'r mut Walk<'a, R, L, S>,
+}
+
+impl<R: Region, L: Lobe, S: Sink> Work for Run<'_, '_, R, L, S> {
+    type Output = Result<(), QueryError>;
 
     #[inline(always)]
-    fn open_first(&mut self) -> Result<(), QueryError> {
-        for place in 0..self.slot_count {
-            let [first, second, _] = &self.nodes;
-            let Some(&node) = first.get(place) else { break };
-            if second.count > ROOM {
-                self.open_second()?;
+    fn run(self) -> Result<(), QueryError> {
+        let walk = self.walk;
+        loop {
+            while walk.leaves.count <= LEAVES - 16
+                && let Some(node) = walk.nodes.pop(CROWDED)
+            {
+                walk.open(node)?;
             }
-            self.open(node, 0)?;
-        }
-        let [first, ..] = &mut self.nodes;
-        first.count = 0;
-        self.open_second()
-    }
-
-    // Kept apart, as is what follows, so that each loop has the registers to itself.
-    #[inline(never)]
-    fn open_second(&mut self) -> Result<(), QueryError> {
-        for place in 0..QUEUE {
-            let [_, second, third] = &self.nodes;
-            let Some(&node) = second.get(place) else {
-                break;
-            };
-            if third.count > ROOM {
-                self.open_third()?;
+            while let Some(leaf) = walk.leaves.pop(LEAVES) {
+                walk.sum_leaf(&leaf)?;
             }
-            self.open(node, 1)?;
+            walk.sink.flush();
+            if walk.nodes.count == 0 {
+                return Ok(());
+            }
         }
-        let [_, second, _] = &mut self.nodes;
-        second.count = 0;
-        self.open_third()
     }
+}
 
-    #[inline(never)]
-    fn open_third(&mut self) -> Result<(), QueryError> {
-        for place in 0..QUEUE {
-            let [.., third] = &self.nodes;
-            let Some(&node) = third.get(place) else { break };
-            self.open(node, 2)?;
-        }
-        let [.., third] = &mut self.nodes;
-        third.count = 0;
-        self.sum_leaves()
-    }
-
-    /// Looks at the children of `node`, which is `height` below its tile's root.
-    #[inline(never)]
-    fn open(&mut self, node: Node, height: usize) -> Result<(), QueryError> {
+impl<R: Region, L: Lobe, S: Sink> Walk<'_, R, L, S> {
+    /// Looks at the children of `node`.
+    #[inline(always)]
+    fn open(&mut self, node: Node) -> Result<(), QueryError> {
         let tree = self.tree;
-        let Some(slot) = self.slots.get(node.slot as usize).copied() else {
+        let Some(slot) = self.slots.get(usize::from(node.slot)) else {
             return Ok(());
         };
-        let place = slot.first_node.wrapping_add(node.number);
-        let record = tree.node(u64::from(place))?;
-        let distances = lanes::normal_distances(record, node.low, node.step);
-        let mut alive = lanes::at_most(&distances, self.limits.exponent);
+        let record = tree.node(u64::from(node.place))?;
+        let limits = self.limits;
+        let Normals {
+            distances,
+            mut alive,
+            narrow,
+        } = lanes::normals(
+            record,
+            node.own,
+            limits.exponent,
+            limits.variance,
+            limits.tail,
+        );
+        let (first, count) = (u32::from(node.first), u32::from(node.count));
+        if slot.even == 0 {
+            alive &= existing(first, count);
+        }
         if S::STRICT {
-            self.count_skipped(&node, &slot, &distances, !alive);
+            count_skipped(&mut self.sink, slot, first, count, &distances, !alive);
         }
         if alive == 0 {
             return Ok(());
         }
-        let mut inside = if node.inside { 0xFFFF } else { 0 };
+        let frame = Frame {
+            offset: slot.origin.offset,
+            unit: slot.unit,
+        };
+        let height = u32::from(node.number > 0) + u32::from(node.number > 16);
+        let is_bottom = slot.shape.depth() <= height + 1;
+        let always = is_bottom && !slot.has_leaves;
+        let mut inside = 0xFFFF;
         if !node.inside {
-            let places = lanes::places(record, slot.origin.offset, slot.unit);
-            let relations = self
-                .region
-                .relations(&places, &distances, self.limits.exponent);
+            let region = self.region;
+            let mut meets = 0;
+            inside = 0;
+            for lane in 0..LANES {
+                let place = Place::of(record, lane, frame);
+                let [misses, cuts] = region.relation(place, distances[lane], limits.exponent);
+                meets |= if misses <= 0.0 { BITS[lane] } else { 0 };
+                inside |= if cuts <= 0.0 { BITS[lane] } else { 0 };
+            }
             if S::STRICT && R::HAS_TAIL {
                 // Position and normal together are beyond the limit.
-                let limit = [self.limits.exponent; lanes::LANES];
-                self.count_skipped(&node, &slot, &limit, alive & !relations.meets);
+                let limit = [limits.exponent; LANES];
+                count_skipped(&mut self.sink, slot, first, count, &limit, alive & !meets);
             }
-            alive &= relations.meets;
-            inside = relations.inside;
+            alive &= meets;
+            if alive == 0 {
+                return Ok(());
+            }
         }
-        let is_bottom = node.depth == 1;
-        if is_bottom && slot.has_leaves && self.leaves.count > ROOM {
-            self.sum_leaves()?;
+        let may_be_one = if always { alive } else { alive & narrow };
+        let mut weights = [1.0; LANES];
+        let mut one = may_be_one & inside;
+        if R::HAS_TAIL && may_be_one & !inside != 0 {
+            let region = self.region;
+            let mut even = 0;
+            for lane in 0..LANES {
+                let place = Place::of(record, lane, frame);
+                let spread = Spread::of(record, lane, place);
+                let [weight, excess] = region.cluster_weight(place, spread, distances[lane]);
+                weights[lane] = weight;
+                even |= if excess <= 0.0 { BITS[lane] } else { 0 };
+            }
+            one = may_be_one & if always { !0 } else { even };
         }
-        while alive != 0 {
-            let lane = alive.trailing_zeros();
-            alive &= alive - 1;
-            let first = TileShape::child_cluster(node.first, node.count, lane);
-            let count = TileShape::child_cluster(node.first, node.count, lane + 1) - first;
-            if count == 0 {
-                continue;
-            }
-            let own = child(record, lane as usize, node.low, node.step);
-            let is_inside = inside >> lane & 1 == 1;
-            let texels = if slot.even > 0 {
-                count * slot.even
-            } else {
-                slot.shape.first_texel(first + count) - slot.shape.first_texel(first)
-            };
-            // What is at the bottom of a tile without leaves cannot be opened.
-            let always = is_bottom && !slot.has_leaves;
-            let exponent = get(&distances, lane as usize);
-            if self.accept(&own, &slot, is_inside, exponent, texels, always) {
-                continue;
-            }
+        if one != 0 {
+            one = self.add_clusters(node, record, &distances, &weights, one, inside, always);
+        }
+        let mut rest = alive & !one;
+        let Some(slot) = self.slots.get(usize::from(node.slot)) else {
+            return Ok(());
+        };
+        while rest != 0 {
+            let lane = rest.trailing_zeros();
+            rest &= rest - 1;
+            let own = node.own.child(record, lane as usize);
+            let start = TileShape::child_cluster(first, count, lane);
+            let end = TileShape::child_cluster(first, count, lane + 1);
+            let inside = inside >> lane & 1 == 1;
             if is_bottom {
-                self.leaf(&own, &slot, &node, lane, first, texels, is_inside);
+                let leaf = slot.first_leaf.wrapping_add(start);
+                if let Some(record) = tree.leaves.get(leaf as usize) {
+                    fetch(record);
+                }
+                if let Some(fine) = fine_bits(tree, node.place, record, lane) {
+                    fetch(fine);
+                }
+                self.leaves.push(Leaf {
+                    own,
+                    leaf,
+                    node: node.place,
+                    texels: texels_of(slot, start, end) as u8,
+                    lane: lane as u8,
+                    slot: node.slot,
+                    inside,
+                });
             } else {
                 let number = if node.number == 0 {
                     1 + lane
                 } else {
-                    17 + 16 * (node.number - 1) + lane
+                    17 + 16 * (u32::from(node.number) - 1) + lane
                 };
-                self.fetch_node(slot.first_node.wrapping_add(number));
-                let below = Node {
-                    number,
+                let place = slot.first_node.wrapping_add(number);
+                fetch_node(tree, place);
+                self.nodes.push(Node {
+                    own,
+                    place,
+                    first: start as u16,
+                    count: (end - start) as u16,
+                    number: number as u16,
                     slot: node.slot,
-                    first,
-                    count,
-                    low: own.low,
-                    step: own.extent.map(|extent| extent * (1.0 / 255.0)),
-                    depth: node.depth - 1,
-                    inside: is_inside,
-                };
-                if let Some(queue) = self.nodes.get_mut(height + 1) {
-                    queue.push(below);
-                }
+                    inside,
+                });
             }
         }
         Ok(())
     }
 
-    /// Adds to the error the children of `node` whose bit is set in `skipped`: a child's terms are e^-exponent at most.
-    fn count_skipped(&mut self, node: &Node, slot: &Slot, exponents: &Lanes, skipped: u32) {
-        for lane in 0..16 {
-            let first = TileShape::child_cluster(node.first, node.count, lane);
-            let last = TileShape::child_cluster(node.first, node.count, lane + 1);
-            let texels = slot.shape.first_texel(last) - slot.shape.first_texel(first);
-            if skipped >> lane & 1 == 1 && texels > 0 {
-                let most = exponential(-get(exponents, lane as usize));
-                self.sink
-                    .error(1.00001 * most * texels as f32 * slot.copies);
-            }
-        }
-    }
-
-    /// Adds a cluster as one Gaussian, if that is near enough, or `always`.
-    #[inline(always)]
-    fn accept(
-        &mut self,
-        own: &Child,
-        slot: &Slot,
-        inside: bool,
-        exponent: f32,
-        texels: u32,
-        always: bool,
-    ) -> bool {
-        let [ss, _, tt] = own.covariance;
-        // Tried first on the disk, where variances are no greater than in any chart.
-        let side = 0.5 * lanes::max(own.extent[0], own.extent[1]);
-        let variance = lanes::max(ss, tt);
-        if !always && (variance > self.limits.variance || variance * side * side > self.limits.tail)
-        {
-            return false;
-        }
-        let weight = if inside {
-            Some(1.0)
-        } else {
-            self.region
-                .cluster_weight(own, slot.origin.offset, slot.unit, exponent, always)
-        };
-        let Some(weight) = weight else { return false };
-        let chart = self.lobe.chart(own.mean, own.covariance);
-        if !always && chart.variance() > self.limits.variance * 2.0 {
-            return false;
-        }
-        if S::STRICT {
-            let count = texels as f32 * slot.copies;
-            let of_weight = if inside {
-                0.0
-            } else {
-                let (offset, unit) = (slot.origin.offset, slot.unit);
-                self.region.weight_error(own, offset, unit, weight) * exponential(-exponent)
-            };
-            let of_moments = lanes::max(weight, 0.0) * moment_error(own);
-            self.sink.error(count * (of_weight + of_moments));
-        }
-        let weight = weight * texels as f32 * slot.copies;
-        self.sink.cluster(weight * chart.term(), weight, own.mean);
-        true
-    }
-
+    /// Adds those children of `node` whose bit is set in `wanted` as one Gaussian each; returns them, less those that the
+    /// kernel's own chart makes too wide for that.
     #[inline(always)]
     #[expect(
         clippy::too_many_arguments,
         reason = "the loop it is a part of has them at hand"
     )]
-    fn leaf(
+    fn add_clusters(
         &mut self,
-        own: &Child,
-        slot: &Slot,
-        node: &Node,
-        lane: u32,
-        cluster: u32,
-        texels: u32,
-        inside: bool,
-    ) {
-        let leaf = slot.first_leaf.wrapping_add(cluster);
-        if let Some(record) = self.tree.leaves.get(leaf as usize) {
-            let [word, ..] = record.0;
-            black_box(word);
+        node: Node,
+        record: &ClusterNode,
+        distances: &Lanes,
+        weights: &Lanes,
+        wanted: u32,
+        inside: u32,
+        always: bool,
+    ) -> u32 {
+        let Some(slot) = self.slots.get(usize::from(node.slot)) else {
+            return 0;
+        };
+        let (first, count) = (u32::from(node.first), u32::from(node.count));
+        let mut counts = [slot.copies * (slot.even * count.div_ceil(16)) as f32; LANES];
+        if slot.even == 0 {
+            for (lane, texels) in (0..).zip(&mut counts) {
+                let start = TileShape::child_cluster(first, count, lane);
+                let end = TileShape::child_cluster(first, count, lane + 1);
+                *texels = slot.copies * texels_of(slot, start, end) as f32;
+            }
         }
-        self.leaves.push(Leaf {
-            leaf,
-            slot: node.slot,
-            node: slot.first_node.wrapping_add(node.number),
-            lane,
-            texels,
-            low: own.low,
-            extent: own.extent,
-            first: own.first,
-            more: own.more,
-            kind: own.kind,
-            inside,
-        });
-    }
-
-    #[inline(never)]
-    fn sum_leaves(&mut self) -> Result<(), QueryError> {
-        for place in 0..QUEUE {
-            let Some(&leaf) = self.leaves.get(place) else {
-                break;
+        let lobe = self.lobe;
+        let most = if always {
+            f32::INFINITY
+        } else {
+            self.limits.variance * 2.0
+        };
+        let mut taken = 0;
+        let [mut terms, mut shares, mut mean_s, mut mean_t] = [[0.0; LANES]; 4];
+        for lane in 0..LANES {
+            let moments = Moments::of(record, lane, node.own);
+            let chart = lobe.chart(moments.mean, moments.covariance);
+            let is_taken = (wanted & BITS[lane] != 0) & (chart.variance() <= most);
+            taken |= if is_taken { BITS[lane] } else { 0 };
+            let share = counts[lane] * weights[lane];
+            shares[lane] = if is_taken { share } else { 0.0 };
+            // A child that does not count may have any term, even none that is a number.
+            let term = share * chart.term();
+            terms[lane] = if is_taken { term } else { 0.0 };
+            mean_s[lane] = moments.mean[0];
+            mean_t[lane] = moments.mean[1];
+        }
+        if S::STRICT {
+            let frame = Frame {
+                offset: slot.origin.offset,
+                unit: slot.unit,
             };
-            self.sum_leaf(&leaf)?;
+            for lane in 0..LANES {
+                if taken >> lane & 1 == 0 {
+                    continue;
+                }
+                let weight = get(weights, lane);
+                let of_weight = if inside >> lane & 1 == 1 {
+                    0.0
+                } else {
+                    let place = Place::of(record, lane, frame);
+                    self.region.weight_error(place, weight) * exponential(-get(distances, lane))
+                };
+                let own = node.own.child(record, lane);
+                let [ss, _, tt] = Moments::of(record, lane, node.own).covariance;
+                let of_moments = max(weight, 0.0) * moment_error(&own, [ss, tt]);
+                self.sink
+                    .error(get(&counts, lane) * (of_weight + of_moments));
+            }
         }
-        self.leaves.count = 0;
-        self.sink.flush();
-        Ok(())
+        self.sink.terms(&terms, &shares, &mean_s, &mean_t);
+        taken
     }
 
     /// Adds the texels of a leaf.
@@ -536,87 +581,129 @@ impl<'a, 'w, R: Region, L: Lobe, S: Sink> Walk<'a, 'w, R, L, S> {
     fn sum_leaf(&mut self, leaf: &Leaf) -> Result<(), QueryError> {
         let tree = self.tree;
         let record = tree.leaves.get(leaf.leaf as usize).ok_or(tree.damaged())?;
-        let (texels, first) = self.texels(leaf, record)?;
+        let node = tree.node(u64::from(leaf.node))?;
+        let lane = usize::from(leaf.lane);
+        let byte = |bytes: &[u8; LANES]| bytes.get(lane).copied().unwrap_or(0);
+        let mut first = [byte(&node.low_x), byte(&node.low_y)];
+        let bits = leaf_bits(node, lane);
+        let (count, limit) = (u32::from(leaf.texels), self.limits.exponent);
+        let mut texels = Texels::NONE;
         // On the disk distances are no greater than in any chart: what is too far there need not be looked at further.
-        let mut distances = lanes::each(|lane| {
-            let (s, t) = (get(&texels.s, lane), get(&texels.t, lane));
-            0.5 * (s * s + t * t)
-        });
-        set_from(&mut distances, leaf.texels, f32::INFINITY);
-        let least = lanes::least(&distances);
+        let near = match LeafKind::of(byte(&node.deviation_xy)) {
+            Some(LeafKind::Narrow) => texels.read_narrow(record, bits, leaf.own, count, limit),
+            Some(LeafKind::Palette) => {
+                let Centre { point, scale } = self.centre;
+                first = [0; 2];
+                texels.read_palette(record, point, scale, count, limit)
+            }
+            Some(LeafKind::Wide) => {
+                let fine =
+                    fine_bits(tree, leaf.node, node, u32::from(leaf.lane)).ok_or(tree.damaged())?;
+                texels.read_wide(record, fine, bits, leaf.own, count, limit)
+            }
+            None => return Err(tree.damaged().into()),
+        };
+        let Some(slot) = self.slots.get(usize::from(leaf.slot)) else {
+            return Ok(());
+        };
         if S::STRICT {
-            let copies = self
-                .slots
-                .get(leaf.slot as usize)
-                .map_or(0.0, |slot| slot.copies);
-            let count = leaf.texels as f32 * copies;
-            let skipped = if least > self.limits.exponent {
+            let least = lanes::least(&texels.distances);
+            let skipped = if least > limit {
                 exponential(-least)
             } else {
-                leaf_error(leaf, least)
+                leaf_error(leaf, node, least)
             };
-            self.sink.error(1.00001 * count * skipped);
+            self.sink
+                .error(1.00001 * count as f32 * slot.copies * skipped);
         }
-        if least > self.limits.exponent {
-            return Ok(());
-        }
-        let (mut exponents, factors) = self.lobe.exponents(&texels.s, &texels.t);
-        set_from(&mut exponents, leaf.texels, f32::INFINITY);
-        let near = lanes::at_most(&exponents, LEAST_TERM);
         if near == 0 {
             return Ok(());
         }
-        let Some(slot) = self.slots.get(leaf.slot as usize) else {
-            return Ok(());
-        };
-        let weights = if leaf.inside {
-            [slot.copies; lanes::LANES]
-        } else {
-            self.region.weights(&texels, &slot.origin, first, near)
-        };
-        let terms = lanes::each(|lane| {
-            let exponent = get(&exponents, lane);
-            let term = get(&factors, lane) * get(&weights, lane) * exponential(-exponent);
-            if exponent <= LEAST_TERM { term } else { 0.0 }
-        });
-        self.sink.texels(&terms, &weights, &texels);
-        Ok(())
-    }
-
-    /// The texels of a leaf, and the column and row they are counted from.
-    #[inline(always)]
-    fn texels(
-        &self,
-        leaf: &Leaf,
-        record: &glintbake_format::records::ClusterLeaf,
-    ) -> Result<(Texels, [u8; 2]), Finding> {
-        let tree = self.tree;
-        let bits = LeafBits::new(leaf.more[0], leaf.more[1]);
-        match LeafKind::of(leaf.kind) {
-            Some(LeafKind::Narrow) => {
-                let texels = lanes::narrow_texels(record, bits, leaf.low, leaf.extent);
-                Ok((texels, leaf.first))
-            }
-            Some(LeafKind::Palette) => {
-                let Centre { point, scale } = self.centre;
-                Ok((lanes::palette_texels(record, point, scale), [0; 2]))
-            }
-            Some(LeafKind::Wide) => {
-                let kinds = &tree.node(u64::from(leaf.node))?.deviation_xy;
-                let fine = tree
-                    .fine_place(u64::from(leaf.node), kinds, leaf.lane)
-                    .and_then(|place| tree.fine.get(place))
-                    .ok_or(tree.damaged())?;
-                let texels = lanes::wide_texels(record, fine, bits, leaf.low, leaf.extent);
-                Ok((texels, leaf.first))
-            }
-            None => Err(tree.damaged()),
+        let mut weights = [slot.copies; LANES];
+        if !leaf.inside {
+            let region = self.region;
+            region.weights(&texels, &slot.origin, first, count, &mut weights);
         }
+        let lobe = self.lobe;
+        let mut terms = [0.0; LANES];
+        for lane in 0..LANES {
+            let [exponent, factor] = lobe.exponent(texels.s[lane], texels.t[lane]);
+            let value = factor * weights[lane] * exponential(-exponent);
+            let far = max(exponent, texels.distances[lane]);
+            terms[lane] = if far <= LEAST_TERM { value } else { 0.0 };
+        }
+        self.sink.terms(&terms, &weights, &texels.s, &texels.t);
+        Ok(())
     }
 }
 
-/// Texels of leaves that are opened anyway count down to e^-this.
-const LEAST_TERM: f32 = 40.0;
+/// The finer bits of the wide leaf that is child `lane` of `node`, which is at `place`.
+#[inline(always)]
+fn fine_bits<'a>(
+    tree: &ClusterTree<'a>,
+    place: u32,
+    node: &ClusterNode,
+    lane: u32,
+) -> Option<&'a FineBits> {
+    let start = tree.fine_starts.get(place as usize)?.get() as usize;
+    let mut wide = 0;
+    for lane in 0..LANES {
+        let is_wide = node.deviation_xy[lane] >> 6 == LeafKind::Wide as u8;
+        wide |= if is_wide { BITS[lane] } else { 0 };
+    }
+    let before = (wide & lanes::first_bits(lane)).count_ones() as usize;
+    tree.fine.get(start.checked_add(before)?)
+}
+
+/// How the leaf that is child `lane` of `node` shares its bits out.
+#[inline(always)]
+fn leaf_bits(node: &ClusterNode, lane: usize) -> LeafBits {
+    let byte = |bytes: &[u8; LANES]| bytes.get(lane).copied().unwrap_or(0);
+    LeafBits::new(
+        byte(&node.high_x).wrapping_sub(byte(&node.low_x)),
+        byte(&node.high_y).wrapping_sub(byte(&node.low_y)),
+    )
+}
+
+/// Texels of the bottom clusters from `start` to `end`.
+#[inline(always)]
+fn texels_of(slot: &Slot, start: u32, end: u32) -> u32 {
+    if slot.even > 0 {
+        (end - start) * slot.even
+    } else {
+        slot.shape.first_texel(end) - slot.shape.first_texel(start)
+    }
+}
+
+/// A bit for each child of a node of `count` bottom clusters from `first` that has any.
+fn existing(first: u32, count: u32) -> u32 {
+    (0..16).fold(0, |bits, lane| {
+        let start = TileShape::child_cluster(first, count, lane);
+        let end = TileShape::child_cluster(first, count, lane + 1);
+        bits | u32::from(end > start) << lane
+    })
+}
+
+/// Adds to the error the children whose bit is set in `skipped` of a node of `slot` that has `count` bottom clusters from
+/// `first`: a child's terms are e^-exponent at most.
+fn count_skipped<S: Sink>(
+    sink: &mut S,
+    slot: &Slot,
+    first: u32,
+    count: u32,
+    exponents: &Lanes,
+    skipped: u32,
+) {
+    for lane in 0..16 {
+        let start = TileShape::child_cluster(first, count, lane);
+        let end = TileShape::child_cluster(first, count, lane + 1);
+        let texels = texels_of(slot, start, end);
+        if skipped >> lane & 1 == 1 && texels > 0 {
+            let most = exponential(-get(exponents, lane as usize));
+            sink.error(1.00001 * most * texels as f32 * slot.copies);
+        }
+    }
+}
 
 /// The steepest slope of a unit Gaussian of peak 1 at points whose exponent is at least `exponent`: `d e^(-d²/2)`, greatest at
 /// d = 1.
@@ -630,14 +717,13 @@ fn slope(exponent: f32) -> f32 {
 
 /// How far the mean term of a cluster can be from that of the Gaussian of its stored moments, on the disk: docs/cluster-tree.md,
 /// "Errors".
-fn moment_error(own: &Child) -> f32 {
-    let [width, height] = own.extent;
+fn moment_error(own: &NormalBox, [ss, tt]: [f32; 2]) -> f32 {
+    let [width, height] = own.extent();
     let diagonal = width + height;
-    let [ss, _, tt] = own.covariance;
     // Rounding of a deviation, by half a 510th of a side, of the correlation, by a 254th, and of the mean.
     let of = |variance: f32, side: f32| {
         let off = side * (1.0 / 1020.0);
-        let deviation = variance * lanes::inverse_root(lanes::max(variance, 1e-30));
+        let deviation = variance * lanes::inverse_root(max(variance, 1e-30));
         (2.0 * deviation * off + off * off, deviation, off)
     };
     let (error_s, deviation_s, off_s) = of(ss, width);
@@ -646,7 +732,7 @@ fn moment_error(own: &Child) -> f32 {
     let error_st =
         deviation_s * off_t + deviation_t * off_s + off_s * off_t + product * (1.0 / 254.0);
     let trace = ss + tt + error_s + error_t;
-    let root = trace * lanes::inverse_root(lanes::max(trace, 1e-30));
+    let root = trace * lanes::inverse_root(max(trace, 1e-30));
     // A cluster lies within its box, wherever its mean: the radius is the diagonal at most.
     let third = 0.2301 * trace * (diagonal + 1.6 * root);
     // The cluster's Gaussian reaches beyond its box, so that the steepest slope of all counts.
@@ -655,17 +741,20 @@ fn moment_error(own: &Child) -> f32 {
 }
 
 /// How far the term of a texel of a leaf can be from that of its normal before it was rounded.
-fn leaf_error(leaf: &Leaf, least: f32) -> f32 {
-    let most = LeafBits::new(leaf.more[0], leaf.more[1]).most() as f32;
-    let finer = match LeafKind::of(leaf.kind) {
+fn leaf_error(leaf: &Leaf, node: &ClusterNode, least: f32) -> f32 {
+    let lane = usize::from(leaf.lane);
+    let most = leaf_bits(node, lane).most() as f32;
+    let kind = node.deviation_xy.get(lane).copied().unwrap_or(0);
+    let finer = match LeafKind::of(kind) {
         Some(LeafKind::Wide) => 16.0,
         // To 31 bits, which the slack for arithmetic covers.
         Some(LeafKind::Palette) => return 0.0,
         _ => 1.0,
     };
-    let off = 0.5 * (leaf.extent[0] + leaf.extent[1]) / (most * finer);
-    let near = lanes::max(2.0 * least, 0.0);
-    let distance = near * lanes::inverse_root(lanes::max(near, 1e-30));
-    let inner = lanes::max(distance - off, 0.0);
+    let [width, height] = leaf.own.extent();
+    let off = 0.5 * (width + height) / (most * finer);
+    let near = max(2.0 * least, 0.0);
+    let distance = near * lanes::inverse_root(max(near, 1e-30));
+    let inner = max(distance - off, 0.0);
     off * slope(0.5 * inner * inner)
 }
