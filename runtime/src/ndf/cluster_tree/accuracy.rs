@@ -1,6 +1,5 @@
 //! How near to the sum over texels an answer has to be, and what a walk may do within that.
 
-use super::cover::Coarse;
 use super::walk::Limits;
 use glintbake_format::model::Filter;
 
@@ -32,14 +31,19 @@ impl Default for Accuracy {
     }
 }
 
+/// Area in texels up to which boxes are small.
+const SMALL_AREA: f64 = 1024.0;
+/// How much further they reach.
+const SMALL_REACH: f32 = 3.5;
+
 /// What a walk may do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Knobs {
     pub limits: Limits,
     /// How far the exponent of a Gaussian footprint may range over an accepted cluster.
     pub weight: f64,
-    /// Greatest spread of bottom clusters of coarse tiles, root mean square, in units of σr.
-    spread: f64,
+    /// The greatest cluster that a side of a box may cut and that is accepted all the same, as a share of the box.
+    pub blur: f64,
 }
 
 impl Knobs {
@@ -59,8 +63,26 @@ impl Knobs {
                 tail: (0.1 * ease * ease) as f32,
             },
             weight: 0.2 * ease,
-            spread: 0.4 * libm::sqrt(ease),
+            blur: 2.5e-4 * ease * ease,
         }
+    }
+
+    /// The same for a box of `area` texels: the smaller it is, the more of its answers are tails of one or two texels, which cost
+    /// next to nothing there.
+    pub fn for_box(self, area: f64) -> Self {
+        if area <= SMALL_AREA {
+            self.reaching(self.limits.exponent + SMALL_REACH)
+        } else {
+            self
+        }
+    }
+
+    /// The same, with nothing skipped but what is below e^-`exponent`.
+    pub fn reaching(mut self, exponent: f32) -> Self {
+        if exponent > self.limits.exponent {
+            self.limits.exponent = exponent;
+        }
+        self
     }
 
     /// Everything opened, and nothing skipped but what is below e^-30.
@@ -72,15 +94,7 @@ impl Knobs {
                 tail: 0.0,
             },
             weight: 0.0,
-            spread: -1.0,
-        }
-    }
-
-    /// When tiles without leaves serve a kernel of deviation `sigma`.
-    pub fn coarse(&self, sigma: f64) -> Coarse {
-        Coarse {
-            spread: (self.spread * sigma) as f32,
-            most: f32::MAX,
+            blur: 0.0,
         }
     }
 }

@@ -10,15 +10,6 @@ use crate::scan::MapShape;
 use glintbake_format::model::{ClusterLevel, ClusterTile};
 use glintbake_format::view::ClusterTree;
 
-/// When tiles without leaves may stand for their texels.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Coarse {
-    /// The greatest root mean square spread of normals within bottom clusters.
-    pub spread: f32,
-    /// The greatest spread of any of them.
-    pub most: f32,
-}
-
 /// A copy of the map, or of the plane if it is clamped.
 #[derive(Clone, Copy, Debug)]
 struct Copy {
@@ -34,14 +25,14 @@ enum Tile {
     Cut,
 }
 
-/// Who is told of a tile: its level, itself, its first texel with copies counted on, and whether it is inside.
+/// Who is told of a tile: its level, itself, its first texel with copies counted on, and whether it is inside. Answers whether
+/// that is all; else the tiles in it follow.
 type Emit<'e> =
-    dyn FnMut(&ClusterLevel, &ClusterTile, [i64; 2], bool) -> Result<(), QueryError> + 'e;
+    dyn FnMut(&ClusterLevel, &ClusterTile, [i64; 2], bool) -> Result<bool, QueryError> + 'e;
 
-/// Descends from the level `top`: `place` tells how a tile lies, `serves` whether one without leaves will do.
+/// Descends through the levels of tiles: `place` tells how a tile lies.
 struct Descent<'c, 'a, P> {
     tree: &'c ClusterTree<'a>,
-    coarse: Coarse,
     place: P,
     /// The box around the footprint, in texels of the endless plane.
     bounds: TexelBox,
@@ -77,20 +68,14 @@ impl<P: Fn(&ClusterTile, [i64; 2]) -> Tile> Descent<'_, '_, P> {
                 if place == Tile::Outside {
                     continue;
                 }
-                if number == 0 || ((inside || self.cut_coarse) && self.serves(&tile)?) {
-                    emit(level, &tile, texel, inside)?;
-                } else {
+                let may_serve = number == 0 || inside || self.cut_coarse;
+                if !(may_serve && emit(level, &tile, texel, inside)?) {
                     let finer = [[4 * column, 4 * column + 4], [4 * row, 4 * row + 4]];
                     self.visit(number - 1, finer, inside, emit)?;
                 }
             }
         }
         Ok(())
-    }
-
-    fn serves(&self, tile: &ClusterTile) -> Result<bool, QueryError> {
-        let root = self.tree.root(tile)?;
-        Ok(root.spread.get() <= self.coarse.spread && root.most.get() <= self.coarse.most)
     }
 
     /// The part of `range` that the bounds reach.
@@ -138,7 +123,6 @@ pub(super) fn under_box<L: Lobe, S: Sink>(
     shape: MapShape,
     tree: &ClusterTree<'_>,
     region: &BoxRegion<'_>,
-    coarse: Coarse,
     walk: &mut Walk<'_, BoxRegion<'_>, L, S>,
 ) -> Result<(), QueryError> {
     let footprint = region.footprint;
@@ -151,7 +135,6 @@ pub(super) fn under_box<L: Lobe, S: Sink>(
     let whole = for_each_copy(shape, footprint, &mut |copy| {
         let descent = Descent {
             tree,
-            coarse,
             bounds,
             cut_coarse: false,
             copy: Copy { texel: copy },
@@ -178,11 +161,11 @@ pub(super) fn under_box<L: Lobe, S: Sink>(
                 texel,
                 offset: offset(footprint.centred(texel[0] as f64, texel[1] as f64)),
             };
-            walk.tile(tile, origin, level.unit(), inside, 1.0, level.number == 0)
+            walk.visit(level, tile, origin, inside, 1.0)
         })
     })?;
     if whole > 0 {
-        whole_map(tree, coarse, whole as f32, walk)?;
+        whole_map(tree, whole as f32, walk)?;
     }
     walk.run()
 }
@@ -190,14 +173,12 @@ pub(super) fn under_box<L: Lobe, S: Sink>(
 /// Hands `walk` all tiles, each `copies` times.
 pub(super) fn whole_map<R: Region, L: Lobe, S: Sink>(
     tree: &ClusterTree<'_>,
-    coarse: Coarse,
     copies: f32,
     walk: &mut Walk<'_, R, L, S>,
 ) -> Result<(), QueryError> {
     let [width, height] = tree.layout.map_size().map(f64::from);
     let descent = Descent {
         tree,
-        coarse,
         bounds: TexelBox {
             low: [0.0; 2],
             high: [width, height],
@@ -212,7 +193,7 @@ pub(super) fn whole_map<R: Region, L: Lobe, S: Sink>(
             texel,
             offset: [0.0; 2],
         };
-        walk.tile(tile, origin, level.unit(), true, copies, level.number == 0)
+        walk.visit(level, tile, origin, true, copies)
     })
 }
 
@@ -250,7 +231,6 @@ pub(super) fn under_gaussian<L: Lobe, S: Sink>(
     tree: &ClusterTree<'_>,
     footprint: &GaussianFootprint,
     region: &GaussianRegion<'_>,
-    coarse: Coarse,
     limit: f32,
     walk: &mut Walk<'_, GaussianRegion<'_>, L, S>,
 ) -> Result<(), QueryError> {
@@ -289,8 +269,7 @@ pub(super) fn under_gaussian<L: Lobe, S: Sink>(
             let relative = |texel: [i64; 2]| footprint.centred(texel[0] as f64, texel[1] as f64);
             let descent = Descent {
                 tree,
-                coarse,
-                bounds,
+                    bounds,
                 cut_coarse: true,
                 copy: Copy { texel: copy },
                 place: |tile: &ClusterTile, texel: [i64; 2]| {
@@ -309,7 +288,7 @@ pub(super) fn under_gaussian<L: Lobe, S: Sink>(
                     texel,
                     offset: offset(relative(texel)),
                 };
-                walk.tile(tile, origin, level.unit(), false, 1.0, level.number == 0)
+                walk.visit(level, tile, origin, false, 1.0)
             })?;
         }
     }

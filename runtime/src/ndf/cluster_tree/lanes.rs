@@ -6,6 +6,8 @@
     reason = "arrays of 16 by numbers below 16, which compilers see and checked indexing would hide from them"
 )]
 
+use super::lobe::Lobe;
+use super::walk::Limits;
 use glintbake_format::records::{ClusterLeaf, ClusterNode, FineBits, LeafBits};
 
 /// Children of a node, and texels of a leaf.
@@ -83,16 +85,6 @@ pub(super) const fn first_bits(count: u32) -> u32 {
     (1 << (count & 31)) - 1
 }
 
-/// A bit for each lane that is at most `limit`, the lowest for the first.
-#[inline(always)]
-pub(super) fn at_most(lanes: &Lanes, limit: f32) -> u32 {
-    let mut mask = 0;
-    for lane in 0..LANES {
-        mask |= if lanes[lane] <= limit { BITS[lane] } else { 0 };
-    }
-    mask
-}
-
 /// The least of all lanes.
 #[inline(always)]
 pub(super) fn least(lanes: &Lanes) -> f32 {
@@ -152,21 +144,19 @@ impl NormalBox {
 pub(super) struct Normals {
     /// Half the squared distance of each child's box of normals from the origin.
     pub distances: Lanes,
-    /// Those at most `limit` away.
+    /// Those near enough for the limits.
     pub alive: u32,
-    /// Those that may be taken as a Gaussian, as far as their normals go: the greater variance is at most `variance`, and that times
-    /// the square of half the longer side at most `tail`.
+    /// Those that may be taken as a Gaussian, as far as their normals go.
     pub narrow: u32,
 }
 
 /// How the normals of `node`'s children lie, whose own box is `own`.
 #[inline(always)]
-pub(super) fn normals(
+pub(super) fn normals<L: Lobe>(
     node: &ClusterNode,
     own: NormalBox,
-    limit: f32,
-    variance: f32,
-    tail: f32,
+    lobe: L,
+    limits: Limits,
 ) -> Normals {
     const HALF: f32 = 0.5 / 255.0;
     let mut distances = [0.0; LANES];
@@ -181,13 +171,14 @@ pub(super) fn normals(
         let t = max(max(from_t, -to_t), 0.0);
         let distance = 0.5 * (s * s + t * t);
         distances[lane] = distance;
-        alive |= if distance <= limit { BITS[lane] } else { 0 };
+        alive |= if distance <= limits.exponent { BITS[lane] } else { 0 };
         let (side_s, side_t) = (to_s - from_s, to_t - from_t);
         let deviation_s = f32::from(node.deviation_s[lane]) * HALF * side_s;
         let deviation_t = f32::from(node.deviation_t[lane]) * HALF * side_t;
         let most = max(deviation_s * deviation_s, deviation_t * deviation_t);
         let side = 0.5 * max(side_s, side_t);
-        let excess = max(most - variance, most * side * side - tail);
+        let limit = lobe.most_variance(limits.variance, [from_s, from_t], [to_s, to_t]);
+        let excess = max(most - limit, most * side * side - limits.tail);
         narrow |= if excess <= 0.0 { BITS[lane] } else { 0 };
     }
     Normals {

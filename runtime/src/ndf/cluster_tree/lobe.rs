@@ -3,7 +3,7 @@
 //! Normals are given by their offset (s, t) from the half vector on the disk, in units of σr. Terms are shares of the kernel's
 //! peak, `1 / (2π σr²)` of either kernel.
 
-use super::lanes::{exponential, inverse_root, max};
+use super::lanes::{exponential, inverse_root, max, min};
 use crate::microfacet::vector::frame;
 use glintbake_format::model::HalfVector;
 
@@ -12,8 +12,13 @@ pub(super) trait Lobe: Copy {
     /// Exponent and factor of a texel: its term is `factor e^-exponent`. The exponent is at least `(s² + t²) / 2`.
     fn exponent(&self, s: f32, t: f32) -> [f32; 2];
 
-    /// A cluster's distance from the half vector in the kernel's own chart, its covariance there, and the factor at its mean.
+    /// A cluster's distance from the half vector in the kernel's own chart, its covariance there, and what its terms are
+    /// multiplied by.
     fn chart(&self, mean: [f32; 2], covariance: [f32; 3]) -> Chart;
+
+    /// Of `variance` as much as a cluster may have on the disk whose normals run from `low` to `high`, so that the chart is all but
+    /// even over it.
+    fn most_variance(&self, variance: f32, low: [f32; 2], high: [f32; 2]) -> f32;
 }
 
 /// A cluster as one Gaussian of the kernel's chart, in units of σr.
@@ -25,13 +30,6 @@ pub(super) struct Chart {
 }
 
 impl Chart {
-    /// The greater variance is at most this.
-    #[inline(always)]
-    pub fn variance(&self) -> f32 {
-        let [ss, st, tt] = self.covariance;
-        max(ss, tt) + st.abs()
-    }
-
     /// The mean term of the cluster's texels, each normal distributed by the Gaussian.
     #[inline(always)]
     pub fn term(&self) -> f32 {
@@ -63,6 +61,11 @@ impl Lobe for Disk {
             factor: 1.0,
         }
     }
+
+    #[inline(always)]
+    fn most_variance(&self, variance: f32, _: [f32; 2], _: [f32; 2]) -> f32 {
+        variance
+    }
 }
 
 /// Beckmann's distribution about each normal, \[AWKK21\] eq. 14.
@@ -75,6 +78,8 @@ pub(super) struct Beckmann {
     first: [f32; 3],
     second: [f32; 3],
     sigma: f32,
+    /// What variance there may be at height 1, beside the limit.
+    curve: f32,
 }
 
 impl Beckmann {
@@ -87,6 +92,7 @@ impl Beckmann {
             first: narrow(first),
             second: narrow(second),
             sigma: sigma as f32,
+            curve: (CURVE / (sigma * sigma)) as f32,
         }
     }
 
@@ -107,6 +113,11 @@ impl Beckmann {
 /// The least cosine between half vector and normal: beyond, terms are nothing for any roughness that is allowed but the
 /// greatest, and `1 / cos⁴` stays finite.
 const LEAST_COSINE: f32 = 1e-4;
+/// The least height that clusters are taken at.
+const LEAST_HEIGHT: f32 = 1e-2;
+/// The greatest variance of a cluster's normals on the disk, at the greatest limit of those relative to the kernel, as a share of
+/// the limit: beyond, the chart is too uneven.
+const CURVE: f64 = 0.05;
 
 impl Lobe for Beckmann {
     #[inline(always)]
@@ -126,22 +137,29 @@ impl Lobe for Beckmann {
         [exponent, factor]
     }
 
+    /// With C a cluster's covariance on the disk and z the height of its mean, its mean normal is lower by
+    /// `(C_ss + C_tt) / 2z + pᵀ C p / 2z³`, p its mean on the disk. The mean of g is that normal's and `σ² S g / (1 + σ²|g|²)`
+    /// more, S the covariance of g: of m = (g + h) / √(1 + |g|²) it is the share that falls off as `|g|` grows. `1 / (m·h)⁴`
+    /// is (1 + |g|²)², and where cluster and kernel meet, g is `(I + S)⁻¹` of its mean.
     #[inline(always)]
     fn chart(&self, [s, t]: [f32; 2], covariance: [f32; 3]) -> Chart {
-        let (d, height) = self.difference(s, t);
+        let ([ds, dt, dz], height) = self.difference(s, t);
+        let [ss, st, tt] = covariance;
+        let sigma = self.sigma;
+        let down = 1.0 / max(height, LEAST_HEIGHT);
+        let p = [self.h[0] + s * sigma, self.h[1] + t * sigma];
+        let steep = (p[0] * p[0] * ss + 2.0 * p[0] * p[1] * st + p[1] * p[1] * tt) * down * down;
+        let d = [ds, dt, dz - 0.5 * sigma * down * (ss + tt + steep)];
         let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let chord = dot(d, d) * (self.sigma * self.sigma);
-        let cosine = 1.0 - 0.5 * chord;
+        let cosine = 1.0 + sigma * dot(d, self.h);
         let is_seen = cosine > LEAST_COSINE;
         let inverse = 1.0 / max(cosine, LEAST_COSINE);
         let g = [dot(d, self.first) * inverse, dot(d, self.second) * inverse];
         // m is the normal; ∂m/∂s = (1, 0, -m_s / m_z), and likewise for t.
-        let m = [self.h[0] + s * self.sigma, self.h[1] + t * self.sigma];
-        let down = 1.0 / max(height, 1e-6);
-        let along_s = [1.0, 0.0, -m[0] * down];
-        let along_t = [0.0, 1.0, -m[1] * down];
+        let along_s = [1.0, 0.0, -p[0] * down];
+        let along_t = [0.0, 1.0, -p[1] * down];
         let change = |axis: [f32; 3], g: f32, along: [f32; 3]| {
-            (dot(axis, along) - g * self.sigma * dot(self.h, along)) * inverse
+            (dot(axis, along) - g * sigma * dot(self.h, along)) * inverse
         };
         let (a, b) = (
             change(self.first, g[0], along_s),
@@ -151,17 +169,45 @@ impl Lobe for Beckmann {
             change(self.second, g[1], along_s),
             change(self.second, g[1], along_t),
         );
-        let [ss, st, tt] = covariance;
-        let square = inverse * inverse;
+        let variance = sigma * sigma;
+        let [xx, xy, yy] = [
+            a * a * ss + 2.0 * a * b * st + b * b * tt,
+            a * c * ss + (a * e + b * c) * st + b * e * tt,
+            c * c * ss + 2.0 * c * e * st + e * e * tt,
+        ];
+        let fall = variance / (1.0 + variance * (g[0] * g[0] + g[1] * g[1]));
+        let mean = [
+            g[0] + fall * (xx * g[0] + xy * g[1]),
+            g[1] + fall * (xy * g[0] + yy * g[1]),
+        ];
+        let inverse = 1.0 / ((1.0 + xx) * (1.0 + yy) - xy * xy);
+        let meet = [
+            ((1.0 + yy) * mean[0] - xy * mean[1]) * inverse,
+            ((1.0 + xx) * mean[1] - xy * mean[0]) * inverse,
+        ];
+        // The trace of (I + S)⁻¹ S.
+        let spread = (xx + yy + 2.0 * (xx * yy - xy * xy)) * inverse;
+        let square = 1.0 + variance * (meet[0] * meet[0] + meet[1] * meet[1] + spread);
         Chart {
-            mean: g,
-            covariance: [
-                a * a * ss + 2.0 * a * b * st + b * b * tt,
-                a * c * ss + (a * e + b * c) * st + b * e * tt,
-                c * c * ss + 2.0 * c * e * st + e * e * tt,
-            ],
+            mean,
+            covariance: [xx, xy, yy],
             factor: if is_seen { square * square } else { 0.0 },
         }
+    }
+
+    /// Distances on the chart are up to 1/z of those on the disk, and change by 1/z² over a length of 1.
+    #[inline(always)]
+    fn most_variance(&self, variance: f32, low: [f32; 2], high: [f32; 2]) -> f32 {
+        let far = |middle: f32, low: f32, high: f32| {
+            max(
+                (middle + low * self.sigma).abs(),
+                (middle + high * self.sigma).abs(),
+            )
+        };
+        let [x, y, _] = self.h;
+        let (s, t) = (far(x, low[0], high[0]), far(y, low[1], high[1]));
+        let square = max(1.0 - s * s - t * t, 0.0);
+        square * min(2.0 * variance, self.curve * variance * square)
     }
 }
 
@@ -220,5 +266,11 @@ impl Lobe for NarrowBeckmann {
     #[inline(always)]
     fn chart(&self, mean: [f32; 2], covariance: [f32; 3]) -> Chart {
         self.whole.chart(mean, covariance)
+    }
+
+    // So near to the half vector, and so high above the rim as series want it, the chart is even.
+    #[inline(always)]
+    fn most_variance(&self, variance: f32, _: [f32; 2], _: [f32; 2]) -> f32 {
+        variance
     }
 }

@@ -32,6 +32,7 @@ use crate::error::QueryError;
 use crate::microfacet::{Masking, beckmann};
 use crate::overlap::{GaussianFootprint, Outline, Parallelogram};
 use crate::scan::MapShape;
+use crate::simd::Instructions;
 use accuracy::Knobs;
 use core::f64::consts::{PI, TAU};
 use cover::{under_box, under_gaussian, whole_map};
@@ -49,6 +50,9 @@ use walk::{Centre, Sink, Walk};
 /// Least deviation of a Gaussian, in tiles, from which its copies add up to the same everywhere, within 6e-9.
 const EVEN_DEVIATION: f64 = 1.0;
 
+/// What pdf counts down to: terms of e^-this.
+const PDF_REACH: f32 = 16.0;
+
 /// Below this eps a strict answer opens everything.
 const LEAST_EPS: f64 = 1e-8;
 
@@ -63,6 +67,7 @@ pub struct ClusterTree<'a> {
     roughness: f64,
     pub(super) filter: Filter,
     accuracy: Accuracy,
+    instructions: Instructions,
 }
 
 impl<'a> ClusterTree<'a> {
@@ -85,6 +90,7 @@ impl<'a> ClusterTree<'a> {
             roughness,
             filter: instance.filter,
             accuracy: Accuracy::default(),
+            instructions: Instructions::default(),
         })
     }
 
@@ -130,6 +136,13 @@ impl<'a> ClusterTree<'a> {
         self
     }
 
+    /// The same P-NDF by other instructions; the fastest unless this says otherwise. Both give the same bits.
+    #[must_use]
+    pub fn with_instructions(mut self, instructions: Instructions) -> Self {
+        self.instructions = instructions;
+        self
+    }
+
     /// The kernel densities are of.
     pub const fn kernel(&self) -> Kernel {
         self.kernel
@@ -166,6 +179,14 @@ impl<'a> ClusterTree<'a> {
         knobs: Knobs,
         sink: S,
     ) -> Result<S, QueryError> {
+        let knobs = match self.filter {
+            Filter::Box => {
+                let [[a, b], [c, d]] = [footprint.edge_1, footprint.edge_2];
+                let size = f64::from(self.instance.width) * f64::from(self.instance.height);
+                knobs.for_box((a * d - b * c).abs() * size)
+            }
+            Filter::Gaussian => knobs,
+        };
         let sigma = intrinsic_from_beckmann(self.roughness);
         let centre = Centre {
             point: [half_vector.s, half_vector.t],
@@ -193,9 +214,7 @@ impl<'a> ClusterTree<'a> {
         knobs: Knobs,
         sink: S,
     ) -> Result<S, QueryError> {
-        let (shape, tree) = (self.shape(), &self.tree);
-        let sigma = 1.0 / centre.scale;
-        let coarse = knobs.coarse(sigma);
+        let (shape, tree, instructions) = (self.shape(), &self.tree, self.instructions);
         match self.filter {
             Filter::Box => {
                 let placed = Parallelogram::new(footprint, shape.width, shape.height, shape.wrap)?;
@@ -203,10 +222,10 @@ impl<'a> ClusterTree<'a> {
                     return Ok(sink);
                 }
                 let outline = Outline::new(&placed);
-                let region = BoxRegion::new(&placed, outline.as_ref(), S::STRICT);
-                let mut walk = Walk::new(tree, region, lobe, centre, knobs.limits, sink);
+                let region = BoxRegion::new(&placed, outline.as_ref(), S::STRICT, knobs.blur);
+                let mut walk = Walk::new(tree, region, lobe, centre, knobs.limits, instructions, sink);
                 walk.set_unit(region.unit());
-                under_box(shape, tree, &region, coarse, &mut walk)?;
+                under_box(shape, tree, &region, &mut walk)?;
                 if shape.wrap == Wrap::Clamp && !shape.holds(&placed) {
                     border::under_box(tree, &placed, &mut walk)?;
                 }
@@ -219,19 +238,19 @@ impl<'a> ClusterTree<'a> {
                     return Ok(sink);
                 }
                 let region = GaussianRegion::new(&placed, knobs.weight);
-                let mut walk = Walk::new(tree, region, lobe, centre, knobs.limits, sink);
+                let mut walk = Walk::new(tree, region, lobe, centre, knobs.limits, instructions, sink);
                 let size = [f64::from(shape.width), f64::from(shape.height)];
                 if shape.wrap == Wrap::Repeat
                     && placed.least_deviation_in_tiles(size[0], size[1]) >= EVEN_DEVIATION
                 {
                     walk.set_unit(1.0 / (size[0] * size[1]));
-                    whole_map(tree, coarse, 1.0, &mut walk)?;
+                    whole_map(tree, 1.0, &mut walk)?;
                     walk.run()?;
                     return Ok(walk.sink);
                 }
                 walk.set_unit(region.unit());
                 let limit = knobs.limits.exponent;
-                under_gaussian(shape, tree, &placed, &region, coarse, limit, &mut walk)?;
+                under_gaussian(shape, tree, &placed, &region, limit, &mut walk)?;
                 if shape.wrap == Wrap::Clamp {
                     border::under_gaussian(tree, &placed, &mut walk)?;
                 }
@@ -277,6 +296,40 @@ impl<'a> ClusterTree<'a> {
                 _ => return Ok(bounded),
             }
         }
+    }
+
+    /// Visits facets as [`Ndf::facets`] does, within `knobs`.
+    fn facets_within(
+        &self,
+        footprint: &Footprint,
+        half_vector: HalfVector,
+        knobs: Knobs,
+        visit: &mut dyn FnMut(Facet),
+    ) -> Result<(), QueryError> {
+        check_finite(half_vector)?;
+        let sink = Visit {
+            visit,
+            half_vector,
+            sigma: intrinsic_from_beckmann(self.roughness),
+            peak: self.peak(),
+            unit: 1.0,
+        };
+        self.sum(footprint, half_vector, knobs, sink)?;
+        Ok(())
+    }
+
+    /// Whether a texel of the normal `normal` counts at `half_vector` in [`Ndf::pdf`], whatever rounding does.
+    fn is_within_reach(&self, normal: HalfVector, half_vector: HalfVector) -> bool {
+        let sigma = intrinsic_from_beckmann(self.roughness);
+        let s = ((normal.s - half_vector.s) / sigma) as f32;
+        let t = ((normal.t - half_vector.t) / sigma) as f32;
+        let [exponent, factor] = match self.kernel {
+            Kernel::Disk => Disk.exponent(s, t),
+            Kernel::Beckmann | Kernel::BinAverage => {
+                Beckmann::new(half_vector, sigma).exponent(s, t)
+            }
+        };
+        exponent <= PDF_REACH - 0.5 && factor > 0.0
     }
 
     /// The density of the kernel at its middle: 1 / (π α²) = 1 / (2π σr²).
@@ -407,17 +460,8 @@ impl Ndf for ClusterTree<'_> {
         half_vector: HalfVector,
         visit: &mut dyn FnMut(Facet),
     ) -> Result<(), QueryError> {
-        check_finite(half_vector)?;
-        let sink = Visit {
-            visit,
-            half_vector,
-            sigma: intrinsic_from_beckmann(self.roughness),
-            peak: self.peak(),
-            unit: 1.0,
-        };
         let knobs = Knobs::of(self.accuracy.eps(), self.filter);
-        self.sum(footprint, half_vector, knobs, sink)?;
-        Ok(())
+        self.facets_within(footprint, half_vector, knobs, visit)
     }
 
     fn eval(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError> {
@@ -458,18 +502,23 @@ impl Ndf for ClusterTree<'_> {
                 HalfVector::from_direction(direction)
             }
         };
-        Ok(drawn.is_on_disk().then_some(drawn))
+        // What is drawn has a density: 1e-7 of the kernel lies beyond.
+        Ok((drawn.is_on_disk() && self.is_within_reach(normal, drawn)).then_some(drawn))
     }
 
     /// Of the disk's kernel `D (h·n)` with the surface's normal n; of Beckmann's the sum of its terms times `h·t_k`.
     fn pdf(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError> {
+        check_finite(half_vector)?;
         let direction = half_vector.direction();
+        // Samples reach further than densities count, and none of them may have a density of 0.
+        let knobs = Knobs::of(self.accuracy.eps(), self.filter).reaching(PDF_REACH);
         if self.kernel == Kernel::Disk {
             let [.., cosine] = direction;
-            return Ok(self.eval(footprint, half_vector)? * cosine);
+            let sum = self.sum(footprint, half_vector, knobs, Sum::NONE)?;
+            return Ok(sum.total * self.peak() * cosine);
         }
         let mut sum = 0.0;
-        self.facets(footprint, half_vector, &mut |facet| {
+        self.facets_within(footprint, half_vector, knobs, &mut |facet| {
             let cosine = crate::microfacet::vector::dot(direction, facet.normal);
             sum += facet.density * facet.weight * cosine.max(0.0);
         })?;

@@ -11,7 +11,7 @@
 )]
 
 use super::lanes::{
-    BITS, LANES, LEAST_TERM, Lanes, Place, Spread, Texels, exponential, first_bits, get, max, min,
+    BITS, LANES, LEAST_TERM, Lanes, Place, Spread, Texels, exponential, first_bits, get, inverse_root, max, min,
     set, unit,
 };
 use crate::overlap::{GaussianFootprint, Outline, Parallelogram, TexelBox};
@@ -47,6 +47,9 @@ pub(super) trait Region: Copy {
     /// if it hardly depends on where the cluster's texels lie. Not asked of a cluster that is inside.
     fn cluster_weight(&self, place: Place, spread: Spread, exponent: f32) -> [f32; 2];
 
+    /// The greatest number of texels of a cluster that is not inside and may be weighed as a whole.
+    fn most_blurred(&self) -> f32;
+
     /// What the first `count` texels weigh, in units of [`unit`](Self::unit); others any number.
     fn weights(
         &self,
@@ -60,6 +63,9 @@ pub(super) trait Region: Copy {
     /// The weight of a texel that counts 1 in sums.
     fn unit(&self) -> f64;
 }
+
+/// The variance of places within a texel, in either direction.
+const TEXEL_VARIANCE: f32 = 1.0 / 12.0;
 
 /// From this share on a texel counts as whole: single precision has no more to say.
 const WHOLE_SHARE: f32 = 1.0 - 1e-5;
@@ -171,13 +177,21 @@ pub(super) struct BoxRegion<'a> {
     is_wide: bool,
     /// Whether texels that are cut are weighed in double precision.
     is_exact: bool,
+    /// Texels of clusters that may be weighed as a whole where a side cuts them.
+    most_blurred: f32,
     slack: f32,
     unit: f64,
 }
 
 impl<'a> BoxRegion<'a> {
-    /// `footprint`, which has the outline `outline`; with all texels that are cut weighed in double precision if `exact`.
-    pub fn new(footprint: &'a Parallelogram, outline: Option<&'a Outline>, exact: bool) -> Self {
+    /// `footprint`, which has the outline `outline`; with all texels that are cut weighed in double precision if `exact`, else with
+    /// clusters of up to `blur` of its texels weighed as a whole.
+    pub fn new(
+        footprint: &'a Parallelogram,
+        outline: Option<&'a Outline>,
+        exact: bool,
+        blur: f64,
+    ) -> Self {
         let bounds = footprint.bounds();
         let extent = [
             0.5 * (bounds.high[0] - bounds.low[0]),
@@ -224,6 +238,7 @@ impl<'a> BoxRegion<'a> {
                 .iter()
                 .all(|([x, y], half)| *half > 0.5 * f64::from(x.abs() + y.abs()) + 1e-3),
             is_exact: exact || is_thin || outline.is_none(),
+            most_blurred: if exact { 0.0 } else { (blur * area) as f32 },
             extent: extent.map(|extent| extent as f32),
             slack: SLACK * ((extent[0] + extent[1]) as f32 + 1024.0),
             // Too thin a footprint has no texel inside: its cut ones are weighed as they are.
@@ -312,9 +327,30 @@ impl Region for BoxRegion<'_> {
         [outside - self.slack, inside + self.slack]
     }
 
+    /// Between each pair of sides: of texels spread evenly to √3 deviations to either side of their mean.
     #[inline(always)]
-    fn cluster_weight(&self, _: Place, _: Spread, _: f32) -> [f32; 2] {
-        [0.0, 1.0]
+    fn cluster_weight(&self, place: Place, spread: Spread, _: f32) -> [f32; 2] {
+        let (x, y) = (place.x + spread.mean[0], place.y + spread.mean[1]);
+        let variance = 8.0 * spread.variance;
+        let (xx, yy) = (
+            variance * place.half_x * place.half_x,
+            variance * place.half_y * place.half_y,
+        );
+        let share = |[a_x, a_y]: [f32; 2], half: f32| {
+            let distance = (x * a_x + y * a_y).abs();
+            let scale = 0.288_675_1 * inverse_root(a_x * a_x * xx + a_y * a_y * yy + TEXEL_VARIANCE);
+            let near = unit(0.5 + (half - distance) * scale);
+            let far = unit(0.5 + (half + distance) * scale);
+            near + far - 1.0
+        };
+        let [first, second] = self.across;
+        let weight = share(first, self.half[0]) * share(second, self.half[1]);
+        [max(weight, 0.0), 0.0]
+    }
+
+    #[inline(always)]
+    fn most_blurred(&self) -> f32 {
+        self.most_blurred
     }
 
     #[inline(always)]
@@ -488,7 +524,7 @@ impl Region for GaussianRegion<'_> {
             yy + variance * place.half_y * place.half_y,
         );
         let determinant = a * b - xy * xy;
-        let root = super::lanes::inverse_root(determinant);
+        let root = inverse_root(determinant);
         let square = (b * x * x - 2.0 * xy * x * y + a * y * y) * root * root;
         let weight = self.area * root * exponential(-0.5 * max(square, 0.0));
         [
@@ -499,6 +535,11 @@ impl Region for GaussianRegion<'_> {
                 f32::INFINITY
             },
         ]
+    }
+
+    #[inline(always)]
+    fn most_blurred(&self) -> f32 {
+        if self.is_smooth { f32::INFINITY } else { 0.0 }
     }
 
     #[inline(always)]

@@ -18,7 +18,7 @@ use super::lobe::Lobe;
 use super::region::{Origin, Region};
 use crate::error::QueryError;
 use crate::simd::{Instructions, Work, fetch};
-use glintbake_format::model::{ClusterTile, TileShape};
+use glintbake_format::model::{ClusterLevel, ClusterTile, TileShape};
 use glintbake_format::records::{ClusterNode, FineBits, LeafBits, LeafKind};
 use glintbake_format::view::ClusterTree;
 
@@ -213,6 +213,7 @@ pub(super) struct Walk<'a, R, L, S> {
     lobe: L,
     centre: Centre,
     limits: Limits,
+    instructions: Instructions,
     pub sink: S,
     slots: [Slot; TILES],
     slot_count: usize,
@@ -228,6 +229,7 @@ impl<'a, R: Region, L: Lobe, S: Sink> Walk<'a, R, L, S> {
         lobe: L,
         centre: Centre,
         limits: Limits,
+        instructions: Instructions,
         sink: S,
     ) -> Self {
         Self {
@@ -236,6 +238,7 @@ impl<'a, R: Region, L: Lobe, S: Sink> Walk<'a, R, L, S> {
             lobe,
             centre,
             limits,
+            instructions,
             sink,
             slots: [NO_SLOT; TILES],
             slot_count: 0,
@@ -264,28 +267,32 @@ impl<'a, R: Region, L: Lobe, S: Sink> Walk<'a, R, L, S> {
         }
     }
 
-    /// Adds `tile`, at `origin`, of positions in `unit` texels; `copies` times, if it is `inside`.
+    /// Adds `tile` of `level`, at `origin`; `copies` times, if it is `inside`. False if it has no leaves and does not serve without.
     #[inline]
-    pub fn tile(
+    pub fn visit(
         &mut self,
+        level: &ClusterLevel,
         tile: &ClusterTile,
         origin: Origin,
-        unit: u32,
         inside: bool,
         copies: f32,
-        has_leaves: bool,
-    ) -> Result<(), QueryError> {
+    ) -> Result<bool, QueryError> {
+        let has_leaves = level.number == 0;
+        let unit = level.unit() as f32;
+        if !has_leaves && !self.serves(tile, origin, unit, inside)? {
+            return Ok(false);
+        }
         if self.slot_count == TILES {
             self.run()?;
         }
-        let root = self.tree.root(tile)?;
+        let (own, place) = self.root_of(tile)?;
         if let Some(slot) = self.slots.get_mut(self.slot_count) {
             *slot = Slot {
                 shape: tile.shape,
                 first_node: tile.first_node as u32,
                 first_leaf: tile.first_leaf as u32,
                 origin,
-                unit: unit as f32,
+                unit,
                 even: if tile.shape.is_even() {
                     tile.shape.texels / tile.shape.clusters
                 } else {
@@ -295,15 +302,6 @@ impl<'a, R: Region, L: Lobe, S: Sink> Walk<'a, R, L, S> {
                 has_leaves,
             };
         }
-        let Centre { point, scale } = self.centre;
-        let own = NormalBox {
-            low: [
-                ((f64::from(root.low[0].get()) - point[0]) * scale) as f32,
-                ((f64::from(root.low[1].get()) - point[1]) * scale) as f32,
-            ],
-            step: root.step.map(|step| (f64::from(step.get()) * scale) as f32),
-        };
-        let place = tile.first_node as u32;
         fetch_node(self.tree, place);
         self.nodes.push(Node {
             own,
@@ -315,17 +313,51 @@ impl<'a, R: Region, L: Lobe, S: Sink> Walk<'a, R, L, S> {
             inside,
         });
         self.slot_count += 1;
-        Ok(())
+        Ok(true)
+    }
+
+    /// Whether the clusters of `tile`, which has no leaves, are narrow enough wherever the half vector is near.
+    #[inline(never)]
+    fn serves(
+        &self,
+        tile: &ClusterTile,
+        origin: Origin,
+        unit: f32,
+        inside: bool,
+    ) -> Result<bool, QueryError> {
+        let frame = Frame {
+            offset: origin.offset,
+            unit,
+        };
+        let (own, place) = self.root_of(tile)?;
+        self.instructions.run(Trial {
+            walk: self,
+            tile,
+            frame,
+            inside,
+            root: (own, place),
+        })
+    }
+
+    /// The box of normals of `tile`'s root node, and its place.
+    #[inline]
+    fn root_of(&self, tile: &ClusterTile) -> Result<(NormalBox, u32), QueryError> {
+        let root = self.tree.root(tile)?;
+        let Centre { point, scale } = self.centre;
+        let own = NormalBox {
+            low: [
+                ((f64::from(root.low[0].get()) - point[0]) * scale) as f32,
+                ((f64::from(root.low[1].get()) - point[1]) * scale) as f32,
+            ],
+            step: root.step.map(|step| (f64::from(step.get()) * scale) as f32),
+        };
+        Ok((own, tile.first_node as u32))
     }
 
     /// Walks all tiles that wait.
     #[inline(never)]
     pub fn run(&mut self) -> Result<(), QueryError> {
-        let instructions = if S::STRICT {
-            Instructions::Portable
-        } else {
-            Instructions::Fastest
-        };
+        let instructions = self.instructions;
         let done = instructions.run(Run { walk: self });
         self.slot_count = 0;
         self.sink.flush();
@@ -341,6 +373,92 @@ fn fetch_node(tree: &ClusterTree<'_>, place: u32) {
         fetch(&node.mean_s);
         fetch(&node.correlation);
         fetch(&node.high_y);
+    }
+}
+
+/// Nodes of a tile that wait for their trial: 15 more at each of three depths.
+const TRIAL: usize = 48;
+
+/// Trying whether a tile without leaves serves.
+struct Trial<'r, 'a, R, L, S> {
+    walk: &'r Walk<'a, R, L, S>,
+    tile: &'r ClusterTile,
+    frame: Frame,
+    inside: bool,
+    root: (NormalBox, u32),
+}
+
+impl<R: Region, L: Lobe, S: Sink> Work for Trial<'_, '_, R, L, S> {
+    type Output = Result<bool, QueryError>;
+
+    #[inline(always)]
+    fn run(self) -> Result<bool, QueryError> {
+        let Walk {
+            tree,
+            region,
+            lobe,
+            limits,
+            ..
+        } = self.walk;
+        let (region, limits) = (*region, *limits);
+        let shape = self.tile.shape;
+        let (own, place) = self.root;
+        let mut waiting = [(own, 0_u32, 0_u32, shape.clusters); TRIAL];
+        let mut count = 1_usize;
+        while let Some(last) = count.checked_sub(1) {
+            count = last;
+            let Some(&(own, number, first, clusters)) = waiting.get(last) else {
+                break;
+            };
+            let record = tree.node(u64::from(place.wrapping_add(number)))?;
+            let Normals {
+                distances,
+                mut alive,
+                narrow,
+            } = lanes::normals(record, own, *lobe, limits);
+            alive &= !narrow & existing(first, clusters);
+            if !self.inside && alive != 0 {
+                let mut meets = 0;
+                for lane in 0..LANES {
+                    let place = Place::of(record, lane, self.frame);
+                    let [misses, _] = region.relation(place, distances[lane], limits.exponent);
+                    meets |= if misses <= 0.0 { BITS[lane] } else { 0 };
+                }
+                alive &= meets;
+            }
+            let is_bottom = shape.depth() <= height(number) + 1;
+            if is_bottom && alive != 0 {
+                return Ok(false);
+            }
+            while alive != 0 {
+                let lane = alive.trailing_zeros();
+                alive &= alive - 1;
+                let start = TileShape::child_cluster(first, clusters, lane);
+                let end = TileShape::child_cluster(first, clusters, lane + 1);
+                let below = own.child(record, lane as usize);
+                if let Some(slot) = waiting.get_mut(count) {
+                    *slot = (below, child_number(number, lane), start, end - start);
+                    count += 1;
+                }
+            }
+        }
+        Ok(true)
+    }
+}
+
+/// How far node `number` of a tile is below the root.
+#[inline(always)]
+fn height(number: u32) -> u32 {
+    u32::from(number > 0) + u32::from(number > 16)
+}
+
+/// The number in its tile of child `lane` of node `number`.
+#[inline(always)]
+fn child_number(number: u32, lane: u32) -> u32 {
+    if number == 0 {
+        1 + lane
+    } else {
+        17 + 16 * (number - 1) + lane
     }
 }
 
@@ -389,9 +507,8 @@ impl<R: Region, L: Lobe, S: Sink> Walk<'_, R, L, S> {
         } = lanes::normals(
             record,
             node.own,
-            limits.exponent,
-            limits.variance,
-            limits.tail,
+            self.lobe,
+            limits,
         );
         let (first, count) = (u32::from(node.first), u32::from(node.count));
         if slot.even == 0 {
@@ -407,8 +524,7 @@ impl<R: Region, L: Lobe, S: Sink> Walk<'_, R, L, S> {
             offset: slot.origin.offset,
             unit: slot.unit,
         };
-        let height = u32::from(node.number > 0) + u32::from(node.number > 16);
-        let is_bottom = slot.shape.depth() <= height + 1;
+        let is_bottom = slot.shape.depth() <= height(u32::from(node.number)) + 1;
         let always = is_bottom && !slot.has_leaves;
         let mut inside = 0xFFFF;
         if !node.inside {
@@ -431,25 +547,27 @@ impl<R: Region, L: Lobe, S: Sink> Walk<'_, R, L, S> {
                 return Ok(());
             }
         }
-        let may_be_one = if always { alive } else { alive & narrow };
+        let may_be_one = alive & narrow;
         let mut weights = [1.0; LANES];
         let mut one = may_be_one & inside;
-        if R::HAS_TAIL && may_be_one & !inside != 0 {
+        if may_be_one & !inside != 0 && most_texels(slot, count) <= self.region.most_blurred() {
             let region = self.region;
             let mut even = 0;
             for lane in 0..LANES {
                 let place = Place::of(record, lane, frame);
                 let spread = Spread::of(record, lane, place);
                 let [weight, excess] = region.cluster_weight(place, spread, distances[lane]);
-                weights[lane] = weight;
-                even |= if excess <= 0.0 { BITS[lane] } else { 0 };
+                let is_inside = inside & BITS[lane] != 0;
+                weights[lane] = if is_inside { 1.0 } else { weight };
+                even |= if is_inside | always | (excess <= 0.0) { BITS[lane] } else { 0 };
             }
-            one = may_be_one & if always { !0 } else { even };
+            one = may_be_one & even;
         }
         if one != 0 {
-            one = self.add_clusters(node, record, &distances, &weights, one, inside, always);
+            self.add_clusters(node, record, &distances, &weights, one, inside);
         }
-        let mut rest = alive & !one;
+        // A tile without leaves was asked before whether it serves.
+        let mut rest = if always { 0 } else { alive & !one };
         let Some(slot) = self.slots.get(usize::from(node.slot)) else {
             return Ok(());
         };
@@ -478,11 +596,7 @@ impl<R: Region, L: Lobe, S: Sink> Walk<'_, R, L, S> {
                     inside,
                 });
             } else {
-                let number = if node.number == 0 {
-                    1 + lane
-                } else {
-                    17 + 16 * (u32::from(node.number) - 1) + lane
-                };
+                let number = child_number(u32::from(node.number), lane);
                 let place = slot.first_node.wrapping_add(number);
                 fetch_node(tree, place);
                 self.nodes.push(Node {
@@ -499,13 +613,8 @@ impl<R: Region, L: Lobe, S: Sink> Walk<'_, R, L, S> {
         Ok(())
     }
 
-    /// Adds those children of `node` whose bit is set in `wanted` as one Gaussian each; returns them, less those that the
-    /// kernel's own chart makes too wide for that.
+    /// Adds those children of `node` whose bit is set in `wanted` as one Gaussian each.
     #[inline(always)]
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "the loop it is a part of has them at hand"
-    )]
     fn add_clusters(
         &mut self,
         node: Node,
@@ -514,10 +623,9 @@ impl<R: Region, L: Lobe, S: Sink> Walk<'_, R, L, S> {
         weights: &Lanes,
         wanted: u32,
         inside: u32,
-        always: bool,
-    ) -> u32 {
+    ) {
         let Some(slot) = self.slots.get(usize::from(node.slot)) else {
-            return 0;
+            return;
         };
         let (first, count) = (u32::from(node.first), u32::from(node.count));
         let mut counts = [slot.copies * (slot.even * count.div_ceil(16)) as f32; LANES];
@@ -529,18 +637,11 @@ impl<R: Region, L: Lobe, S: Sink> Walk<'_, R, L, S> {
             }
         }
         let lobe = self.lobe;
-        let most = if always {
-            f32::INFINITY
-        } else {
-            self.limits.variance * 2.0
-        };
-        let mut taken = 0;
         let [mut terms, mut shares, mut mean_s, mut mean_t] = [[0.0; LANES]; 4];
         for lane in 0..LANES {
             let moments = Moments::of(record, lane, node.own);
             let chart = lobe.chart(moments.mean, moments.covariance);
-            let is_taken = (wanted & BITS[lane] != 0) & (chart.variance() <= most);
-            taken |= if is_taken { BITS[lane] } else { 0 };
+            let is_taken = wanted & BITS[lane] != 0;
             let share = counts[lane] * weights[lane];
             shares[lane] = if is_taken { share } else { 0.0 };
             // A child that does not count may have any term, even none that is a number.
@@ -555,7 +656,7 @@ impl<R: Region, L: Lobe, S: Sink> Walk<'_, R, L, S> {
                 unit: slot.unit,
             };
             for lane in 0..LANES {
-                if taken >> lane & 1 == 0 {
+                if wanted >> lane & 1 == 0 {
                     continue;
                 }
                 let weight = get(weights, lane);
@@ -573,7 +674,6 @@ impl<R: Region, L: Lobe, S: Sink> Walk<'_, R, L, S> {
             }
         }
         self.sink.terms(&terms, &shares, &mean_s, &mean_t);
-        taken
     }
 
     /// Adds the texels of a leaf.
@@ -663,6 +763,17 @@ fn leaf_bits(node: &ClusterNode, lane: usize) -> LeafBits {
         byte(&node.high_x).wrapping_sub(byte(&node.low_x)),
         byte(&node.high_y).wrapping_sub(byte(&node.low_y)),
     )
+}
+
+/// The texels of the largest child of a node of `slot` that has `count` bottom clusters.
+#[inline(always)]
+fn most_texels(slot: &Slot, count: u32) -> f32 {
+    let clusters = count.div_ceil(16);
+    if slot.even > 0 {
+        (clusters * slot.even) as f32
+    } else {
+        (clusters * 16) as f32
+    }
 }
 
 /// Texels of the bottom clusters from `start` to `end`.
