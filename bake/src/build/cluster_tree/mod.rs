@@ -1,7 +1,7 @@
 //! Cluster trees: the texels of each tile split by position and normal into ever smaller groups, each with its moments.
 //!
 //! See docs/cluster-tree.md for the structure and [`ClusterLayout`] for its places. A group is halved at the median of its
-//! widest side, where a texel of position is worth 1/256 of a component of a normal; four halvings make the
+//! widest side, where a texel of position is worth 1/128 of a component of a normal; four halvings make the
 //! sixteen children of a node.
 //!
 //! Tiles of 64 and of 256 texels are split texel by texel, tiles of 1024 by groups of 16 that their tiles of 256 are split into
@@ -22,7 +22,7 @@ use zerocopy::little_endian::U32;
 
 /// What a texel of position is worth in a tile of 64, as a change of a normal's component: larger values make clusters
 /// compact in position, smaller ones in their normals.
-const TEXEL_WORTH: f64 = 128.0 / 32768.0;
+const TEXEL_WORTH: f64 = 256.0 / 32768.0;
 /// The same in larger tiles, where boxes matter less, times 64 over their side.
 const COARSE_TEXEL_WORTH: f64 = 2.0 / 32768.0;
 
