@@ -78,8 +78,7 @@ impl Tile<'_> {
                 low >= -1.0 && extent >= 0.0 && low + extent <= 1.0 + 1e-6
             })
         };
-        let spreads = [root.spread.get(), root.most.get()];
-        if !within(0) || !within(1) || !spreads.iter().all(|x| (0.0..=1.0).contains(x)) {
+        if !within(0) || !within(1) {
             report.report(self.at(Fault::ClusterRoot, u64::from(self.tile.root)));
         }
         let shape = self.tile.shape;

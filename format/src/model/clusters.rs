@@ -335,7 +335,7 @@ mod tests {
     #[test]
     fn bytes_stay_below_six_and_a_half_a_texel() {
         let layout = ClusterLayout::new(2048, 2048).unwrap();
-        let bytes = 24 * layout.root_count() + 256 * layout.node_count() + 64 * layout.leaf_count();
+        let bytes = 16 * layout.root_count() + 256 * layout.node_count() + 64 * layout.leaf_count();
         assert!(bytes as f64 / (2048.0 * 2048.0) < 6.3, "{bytes}");
     }
 }

@@ -3,7 +3,7 @@
 use zerocopy::little_endian::{F32, U32};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
-/// The box of normals that a tile's tree begins with. 24 bytes.
+/// The box of normals that a tile's tree begins with. 16 bytes.
 ///
 /// It runs from `low` to `low + 255 step` in s and t.
 #[derive(
@@ -15,11 +15,6 @@ pub struct TileRoot {
     pub low: [F32; 2],
     /// 8: a 255th of the box's sides, rounded up; 0 where all normals have the same.
     pub step: [F32; 2],
-    /// 16: root mean square, over texels, of the spread of normals within their bottom cluster: the root of half the trace of its
-    /// covariance.
-    pub spread: F32,
-    /// 20: the greatest such spread of any bottom cluster.
-    pub most: F32,
 }
 
 /// Sixteen children: each field holds one byte of each. 256 bytes.
@@ -81,7 +76,7 @@ pub struct ClusterLeaf(pub [U32; 16]);
 pub struct FineBits(pub [u8; 16]);
 
 const _: () = assert!(
-    size_of::<TileRoot>() == 24
+    size_of::<TileRoot>() == 16
         && size_of::<ClusterNode>() == 256
         && size_of::<ClusterLeaf>() == 64,
     "records are as FORMAT.md says"

@@ -89,7 +89,7 @@ const KINDS: &[(FourCc, &[u32])] = &[
     (MASKING, &[2]),
     (MEANS, &[4, 8]),
     (SPREADS, &[6]),
-    (ROOTS, &[24]),
+    (ROOTS, &[16]),
     (NODES, &[256]),
     (LEAVES, &[64]),
     (FINE_BITS, &[16]),

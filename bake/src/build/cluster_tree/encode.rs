@@ -33,9 +33,6 @@ pub(super) struct Encoder<'t> {
     sections: TileSections,
     /// The box of each node, by its number in the tile.
     boxes: Vec<NormalBox>,
-    /// Sum over texels, and greatest, of the spreads of bottom clusters, squared.
-    spread_sum: f64,
-    spread_most: f64,
 }
 
 impl<'t> Encoder<'t> {
@@ -71,15 +68,11 @@ impl<'t> Encoder<'t> {
                 root: Some(TileRoot {
                     low: low.map(F32::new),
                     step: step.map(F32::new),
-                    spread: F32::new(0.0),
-                    most: F32::new(0.0),
                 }),
                 nodes: vec![ClusterNode::new_zeroed(); nodes],
                 ..TileSections::default()
             },
             boxes,
-            spread_sum: 0.0,
-            spread_most: 0.0,
         }
     }
 
@@ -152,9 +145,6 @@ impl<'t> Encoder<'t> {
                 self.boxes[below] = own;
                 continue;
             }
-            let texels = items.len() as f64 * f64::from(self.texels_an_item);
-            self.spread_sum += texels * moments.spread_squared();
-            self.spread_most = self.spread_most.max(moments.spread_squared());
             if self.level.number == 0 {
                 items.sort_unstable_by_key(|item| item.id);
                 let kind = self.leaf(items, own, &moments);
@@ -288,12 +278,7 @@ impl<'t> Encoder<'t> {
     }
 
     /// The tile.
-    pub fn finish(mut self) -> TileSections {
-        let texels = f64::from(self.tile.shape.texels);
-        if let Some(root) = &mut self.sections.root {
-            root.spread = F32::new(((self.spread_sum / texels).sqrt()) as f32);
-            root.most = F32::new((self.spread_most.sqrt()) as f32);
-        }
+    pub fn finish(self) -> TileSections {
         debug_assert_eq!(
             self.sections.nodes.as_bytes().len(),
             256 * self.tile.shape.nodes() as usize

@@ -88,9 +88,4 @@ impl Inner {
         ];
         all
     }
-
-    /// Half the trace of the covariance of normals.
-    pub fn spread_squared(&self) -> f64 {
-        0.5 * (self.covariance[0] + self.covariance[2])
-    }
 }

@@ -80,6 +80,8 @@ pub(super) struct Beckmann {
     sigma: f32,
     /// What variance there may be at height 1, beside the limit.
     curve: f32,
+    /// The rise of the rim, in units of σr.
+    most_rise: f32,
 }
 
 impl Beckmann {
@@ -93,6 +95,7 @@ impl Beckmann {
             second: narrow(second),
             sigma: sigma as f32,
             curve: (CURVE / (sigma * sigma)) as f32,
+            most_rise: ((direction[2] * direction[2] - f64::from(LEAST_SQUARE)) / sigma) as f32,
         }
     }
 
@@ -101,18 +104,21 @@ impl Beckmann {
     fn difference(&self, s: f32, t: f32) -> ([f32; 3], f32) {
         let [x, y, z] = self.h;
         let (ds, dt) = (s * self.sigma, t * self.sigma);
-        // z'² = z² - rise, so that z' - z = -rise / (z' + z): no small number comes from a difference of large ones.
-        let rise = ds * (2.0 * x + ds) + dt * (2.0 * y + dt);
-        let square = max(z * z - rise, 1e-12);
+        // z'² = z² - σr rise, so that (z' - z) / σr = -rise / (z' + z): no small number comes from a difference of large ones.
+        let rise = s * (2.0 * x + ds) + t * (2.0 * y + dt);
+        // A normal that rounding puts beyond the rim is one on it.
+        let rise = min(rise, self.most_rise);
+        let square = max(z * z - rise * self.sigma, LEAST_SQUARE);
         let height = square * inverse_root(square);
-        let fall = (s * (2.0 * x + ds) + t * (2.0 * y + dt)) / (height + z);
-        ([s, t, -fall], height)
+        ([s, t, -rise / (height + z)], height)
     }
 }
 
 /// The least cosine between half vector and normal: beyond, terms are nothing for any roughness that is allowed but the
 /// greatest, and `1 / cos⁴` stays finite.
 const LEAST_COSINE: f32 = 1e-4;
+/// The square of a height that is as good as none.
+const LEAST_SQUARE: f32 = 1e-12;
 /// The least height that clusters are taken at.
 const LEAST_HEIGHT: f32 = 1e-2;
 /// The greatest variance of a cluster's normals on the disk, at the greatest limit of those relative to the kernel, as a share of
@@ -195,19 +201,23 @@ impl Lobe for Beckmann {
         }
     }
 
-    /// Distances on the chart are up to 1/z of those on the disk, and change by 1/z² over a length of 1.
+    /// Distances on the chart are up to `1 / (z (m·h)²)` of those on the disk, and change by as much as 1/z² over a length of 1.
     #[inline(always)]
     fn most_variance(&self, variance: f32, low: [f32; 2], high: [f32; 2]) -> f32 {
         let far = |middle: f32, low: f32, high: f32| {
-            max(
-                (middle + low * self.sigma).abs(),
-                (middle + high * self.sigma).abs(),
-            )
+            let (a, b) = (middle + low * self.sigma, middle + high * self.sigma);
+            (max(a.abs(), b.abs()), 0.5 * (a + b))
         };
-        let [x, y, _] = self.h;
-        let (s, t) = (far(x, low[0], high[0]), far(y, low[1], high[1]));
+        let [x, y, z] = self.h;
+        let ((s, mean_s), (t, mean_t)) = (far(x, low[0], high[0]), far(y, low[1], high[1]));
         let square = max(1.0 - s * s - t * t, 0.0);
-        square * min(2.0 * variance, self.curve * variance * square)
+        let height = max(1.0 - mean_s * mean_s - mean_t * mean_t, 1e-12);
+        let cosine = max(
+            x * mean_s + y * mean_t + z * height * inverse_root(height),
+            0.0,
+        );
+        let slope = square * cosine * cosine * cosine * cosine;
+        slope * min(2.0 * variance, self.curve * variance * square)
     }
 }
 
