@@ -28,4 +28,7 @@ pub use bake::{bake, bake_with_progress, check};
 pub use error::BakeError;
 pub use package::PackagePlan;
 pub use progress::{Progress, Stage};
-pub use recipe::{Chosen, DEFAULT_LEAF_SIZE, LeftOut, MethodRecipe, Recipe, Source};
+pub use recipe::{
+    Chosen, DEFAULT_LEAF_SIZE, DEFAULT_METHOD, DEFAULT_ROUGHNESS, LeftOut, MethodRecipe, Recipe,
+    Source,
+};

@@ -30,7 +30,8 @@ pub struct MethodRecipe {
     /// The method.
     #[serde(serialize_with = "method_name")]
     pub method: Method,
-    /// Beckmann roughnesses α, one instance each; empty for a method without a kernel.
+    /// Beckmann roughnesses α, one instance each; empty for a method without a kernel, and for `cluster-tree`
+    /// if [`DEFAULT_ROUGHNESS`] will do for queries that name none.
     pub roughness: Vec<f64>,
     /// Bins a side, for a method that does not derive them.
     pub bins: Option<u32>,
@@ -58,6 +59,13 @@ pub struct MethodRecipe {
 
 /// Leaf size of a recipe that names none: with tight boxes, larger than the papers' 10 and 16 is faster and smaller.
 pub const DEFAULT_LEAF_SIZE: u32 = 32;
+
+/// Method of a bake that names none: one package for every roughness, kernel and filter.
+pub const DEFAULT_METHOD: Method = Method::ClusterTree;
+
+/// Beckmann roughness of `cluster-tree` queries that name none, in packages baked without one: sharp enough for flakes and
+/// scratches to glint one by one, and wide beside the steps of 8-bit normals.
+pub const DEFAULT_ROUGHNESS: f64 = 0.02;
 
 impl MethodRecipe {
     /// `method` with the roughnesses `roughness` and defaults for the rest.

@@ -5,7 +5,7 @@ use crate::build::cluster_tree;
 use crate::error::BakeError;
 use crate::normals::NormalMap;
 use crate::progress::Stage;
-use crate::recipe::{DEFAULT_LEAF_SIZE, MethodRecipe};
+use crate::recipe::{DEFAULT_LEAF_SIZE, DEFAULT_ROUGHNESS, MethodRecipe};
 use glintbake_format::model::{Kernel, Method};
 use glintbake_format::records::{
     FINE_BITS, FINE_STARTS, Instance, LEAVES, NODES, ROOTS, Structure,
@@ -19,34 +19,43 @@ impl BakeMethod for ClusterTree {
     }
 
     fn check(&self, recipe: &MethodRecipe) -> Result<(), BakeError> {
-        let refuse = |option, value: String, reason: &str| {
+        let refuse = |option, value: String, reason: &str, taker: Method| {
+            let taker = taker.name();
             Err(BakeError::Option {
                 option,
                 value,
-                reason: format!("cluster-tree {reason}; leave the option out"),
+                reason: format!(
+                    "cluster-tree {reason}; leave the option out, or add --method {taker}"
+                ),
             })
         };
         if let Some(bins) = recipe.bins {
-            return refuse("--bins", bins.to_string(), "has no bins");
+            let bins = bins.to_string();
+            return refuse("--bins", bins, "has no bins", Method::SpecularBins);
         }
         if let Some(kind) = recipe.inverse {
+            let reason = "has no bins whose texels are looked for";
             let kind = kind.name().to_owned();
-            return refuse("--index", kind, "has no bins whose texels are looked for");
+            return refuse("--index", kind, reason, Method::FlakeBins);
         }
         if recipe.leaf_size != DEFAULT_LEAF_SIZE {
             let size = recipe.leaf_size.to_string();
-            return refuse("--leaf-size", size, "has leaves of 16 texels");
+            let reason = "has leaves of 16 texels";
+            return refuse("--leaf-size", size, reason, Method::FlakeBins);
         }
         if let Some(level) = recipe.finest_level {
-            return refuse("--finest-level", level.to_string(), "keeps every texel");
+            let level = level.to_string();
+            return refuse("--finest-level", level, "keeps every texel", Method::Lean);
         }
         if recipe.exact_normals {
-            return refuse("--exact-normals", String::new(), "has exact normals");
+            let reason = "keeps every texel's own normal already";
+            return refuse("--exact-normals", String::new(), reason, Method::FlakeBins);
         }
         if let Some(kernel @ Kernel::BinAverage) = recipe.kernel {
-            return refuse("--kernel", kernel.name().to_owned(), "has no bins");
+            let kernel = kernel.name().to_owned();
+            return refuse("--kernel", kernel, "has no bins", Method::SpecularBins);
         }
-        roughness::check(recipe)
+        roughness::check_range(recipe)
     }
 
     fn bake(
@@ -56,7 +65,11 @@ impl BakeMethod for ClusterTree {
         bake: &mut Bake<'_>,
     ) -> Result<(), BakeError> {
         bins::check_sides(map)?;
-        for (place, &alpha) in recipe.roughness.iter().enumerate() {
+        let roughness = match &*recipe.roughness {
+            [] => &[DEFAULT_ROUGHNESS],
+            given => given,
+        };
+        for (place, &alpha) in roughness.iter().enumerate() {
             let instance = Instance {
                 layer: 0,
                 number: bake.next_number(),

@@ -8,7 +8,7 @@ const LEAST_ROUGHNESS: f64 = 1e-4;
 /// Largest Beckmann roughness: the paper's neighbourhood covers the lobe up to there.
 const MOST_ROUGHNESS: f64 = 1.0;
 
-/// Refuses a recipe without roughness, with one out of range, or with one twice.
+/// Refuses a recipe without roughness, and what [`check_range`] refuses.
 pub(super) fn check(recipe: &MethodRecipe) -> Result<(), BakeError> {
     if recipe.roughness.is_empty() {
         return Err(BakeError::Option {
@@ -20,6 +20,11 @@ pub(super) fn check(recipe: &MethodRecipe) -> Result<(), BakeError> {
             ),
         });
     }
+    check_range(recipe)
+}
+
+/// Refuses a recipe with a roughness out of range, or with one twice.
+pub(super) fn check_range(recipe: &MethodRecipe) -> Result<(), BakeError> {
     for (place, &alpha) in recipe.roughness.iter().enumerate() {
         let reason = if !(LEAST_ROUGHNESS..=MOST_ROUGHNESS).contains(&alpha) {
             format!("Beckmann roughness must lie between {LEAST_ROUGHNESS} and {MOST_ROUGHNESS}")
