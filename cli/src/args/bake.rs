@@ -6,13 +6,24 @@ use crate::exit::{CommandError, Failure};
 use clap::Args;
 use glintbake_bake::image::ReadOptions;
 use glintbake_bake::normals::{Channels, DecodeOptions, GreenAxis, Input, Range, Zero};
-use glintbake_bake::{BakeError, DEFAULT_LEAF_SIZE, MethodRecipe, Recipe};
+use glintbake_bake::{
+    BakeError, DEFAULT_LEAF_SIZE, DEFAULT_METHOD, DEFAULT_ROUGHNESS, MethodRecipe, Recipe,
+};
 use glintbake_format::model::{Filter, Kernel, Method, Wrap, beckmann_from_intrinsic};
 use glintbake_format::records::InverseKind;
 use std::path::PathBuf;
 
+/// What a roughness means depends on the method, here alone.
+fn roughness_help() -> String {
+    format!(
+        "Beckmann roughnesses α, with commas between, an instance for each. flake-bins and lean answer for these alone; \
+         cluster-tree for any, and for the first if a query names none [default for cluster-tree: {DEFAULT_ROUGHNESS}]"
+    )
+}
+
 /// `bake`
 #[derive(Debug, Args)]
+#[command(mut_arg("roughness", |argument| argument.help(roughness_help())))]
 pub struct BakeArgs {
     /// Normal map or height map: PNG, TGA, TIFF, JPEG, WebP or EXR
     pub image: PathBuf,
@@ -21,12 +32,12 @@ pub struct BakeArgs {
     #[arg(long, short)]
     pub output: PathBuf,
 
-    /// Methods to bake for, with commas between: flake-bins (rough flakes), specular-bins (mirrors),
-    /// lean (one Gaussian lobe, for distant surfaces), cluster-tree (any roughness, within an error)
-    #[arg(long, value_delimiter = ',', default_value = "flake-bins", value_parser = method)]
+    /// Methods to bake for, with commas between: cluster-tree (any roughness, within an error), flake-bins (bins of one
+    /// roughness), specular-bins (mirrors), lean (one Gaussian lobe, for distant surfaces) [default: cluster-tree]
+    #[arg(long, value_delimiter = ',', value_parser = method)]
     pub method: Vec<Method>,
 
-    /// One instance for each
+    /// What methods are baked for, or what queries default to
     #[command(flatten)]
     pub roughness: RoughnessArgs,
 
@@ -38,7 +49,8 @@ pub struct BakeArgs {
     #[arg(long, default_value = "box", value_parser = filter)]
     pub filter: Filter,
 
-    /// How the texels of a bin are found: tiles, forest, none (the bin map is scanned), or auto for what costs least
+    /// How flake-bins and specular-bins find the texels of a bin: tiles, forest, none (the bin map is scanned), or
+    /// auto for what costs least
     #[arg(long, default_value = "auto", value_name = "KIND", value_parser = inverse)]
     pub index: IndexChoice,
 
@@ -54,7 +66,7 @@ pub struct BakeArgs {
     #[arg(long, value_parser = kernel)]
     pub kernel: Option<Kernel>,
 
-    /// Store true normals as well (4 bytes a texel), for `query --exact`
+    /// Store true normals beside flake-bins (4 bytes a texel), for `query --exact`
     #[arg(long)]
     pub exact_normals: bool,
 
@@ -221,8 +233,9 @@ impl BakeArgs {
     /// # Errors
     /// [`Failure::Usage`] if the recipe cannot be baked, or names anything twice: queries find the first only.
     pub fn recipe(&self) -> Result<Recipe, CommandError> {
-        for (place, method) in self.method.iter().enumerate() {
-            if self.method[..place].contains(method) {
+        let methods = self.methods();
+        for (place, method) in methods.iter().enumerate() {
+            if methods[..place].contains(method) {
                 return Err(usage(format!(
                     "--method {}: the method is named twice",
                     method.name()
@@ -232,8 +245,12 @@ impl BakeArgs {
         if let Some(leaf_size) = self.leaf_size
             && self.index.0 != Some(InverseKind::Forest)
         {
+            let bins = match methods {
+                [Method::ClusterTree] => " of flake-bins",
+                _ => "",
+            };
             return Err(usage(format!(
-                "--leaf-size {leaf_size}: only a forest has leaves; add --index forest"
+                "--leaf-size {leaf_size}: only a forest{bins} has leaves to choose; add --index forest"
             )));
         }
         let recipe = self.unchecked_recipe();
@@ -277,16 +294,24 @@ impl BakeArgs {
         error.into()
     }
 
-    /// Whether an option that `takers` take goes to `method`: to each of them, or to the first method if none is named.
+    /// The methods that were named, or the one that is baked if none is.
+    fn methods(&self) -> &[Method] {
+        match &*self.method {
+            [] => &[DEFAULT_METHOD],
+            named => named,
+        }
+    }
+
+    /// Whether an option that `takers` take goes to `method`: to each of them, or to the first method if none is baked.
     fn goes_to(&self, method: Method, takers: &[Method]) -> bool {
-        let is_taken = self.method.iter().any(|named| takers.contains(named));
-        takers.contains(&method) || (!is_taken && self.method.first() == Some(&method))
+        let is_taken = self.methods().iter().any(|baked| takers.contains(baked));
+        takers.contains(&method) || (!is_taken && self.methods().first() == Some(&method))
     }
 
     fn unchecked_recipe(&self) -> Recipe {
         let roughness = self.roughness.all();
         let methods = self
-            .method
+            .methods()
             .iter()
             .map(|&method| {
                 let goes = |takers: &[Method]| self.goes_to(method, takers);

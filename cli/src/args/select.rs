@@ -8,12 +8,12 @@ use glintbake_format::model::{
 };
 use glintbake_format::records::Structure;
 use glintbake_runtime::ndf::DEFAULT_TOLERANCE;
-use glintbake_runtime::{Accuracy, Ndf, Package, Setting, SurfaceNdf};
+use glintbake_runtime::{Accuracy, ClusterTree, Ndf, Package, Setting, SurfaceNdf};
 
 /// What to evaluate; all of it can be left out.
 #[derive(Debug, Args, Clone, Default)]
 pub struct SettingArgs {
-    /// Method to answer with, flake-bins, specular-bins, lean or cluster-tree; the package's first if left out
+    /// Method to answer with, cluster-tree, flake-bins, specular-bins or lean; the package's first if left out
     #[arg(long, value_parser = method)]
     pub method: Option<Method>,
 
@@ -35,8 +35,8 @@ pub struct SettingArgs {
     #[arg(long, value_parser = filter)]
     pub filter: Option<Filter>,
 
-    /// How far a Gaussian may range over texels that are weighed together, as a share of its peak; 0 weighs every
-    /// texel exactly [default: 0.125]
+    /// How far a Gaussian may range over texels that flake-bins and specular-bins weigh together, as a share of its
+    /// peak; 0 weighs every texel exactly [default: 0.125]
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = tolerance)]
     pub tolerance: Option<f64>,
 
@@ -44,15 +44,17 @@ pub struct SettingArgs {
     #[arg(long, value_parser = kernel)]
     pub kernel: Option<Kernel>,
 
-    /// Relative error of cluster-tree, summed up over many queries, that its speed is chosen for [default: 0.002]
+    /// Relative error of cluster-tree to aim at, on average over queries, from 1e-9 to 0.1; the smaller, the slower
+    /// [default: 0.002]
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true, value_parser = eps)]
     pub eps: Option<f64>,
 
-    /// Sum over texels with their true normals (Atanasov 2021 eq. 11); needs a package baked with --exact-normals
+    /// Sum of flake-bins over texels with their true normals (Atanasov 2021 eq. 11); needs a package baked with
+    /// --exact-normals
     #[arg(long, conflicts_with = "paper")]
     pub exact: bool,
 
-    /// The paper's 21 bins (Atanasov 2021 eq. 15) instead of 45
+    /// The paper's 21 bins of flake-bins (Atanasov 2021 eq. 15) instead of 45
     #[arg(long)]
     pub paper: bool,
 }
@@ -124,6 +126,9 @@ impl SettingArgs {
             .or_else(tree)
             .ok_or_else(|| self.not_baked(package))?;
         self.check_tree_options(instance.method)?;
+        if instance.method == Method::ClusterTree {
+            self.check_for_tree(roughness)?;
+        }
         let filter = self.filter.unwrap_or(instance.filter);
         let tolerance = self.tolerance.unwrap_or(DEFAULT_TOLERANCE);
         let tolerance_said = match filter {
@@ -134,12 +139,13 @@ impl SettingArgs {
                 ));
             }
             Filter::Gaussian if instance.bins().is_none() && self.tolerance.is_some() => {
+                let why = match instance.method {
+                    Method::ClusterTree => "has one error for all it does; use --eps instead",
+                    _ => "weighs no texels and has none; leave it out",
+                };
                 return Err(CommandError::new(
                     Failure::Usage,
-                    format!(
-                        "--tolerance: {} weighs no texels and has none; leave it out",
-                        instance.method.name()
-                    ),
+                    format!("--tolerance: {} {why}", instance.method.name()),
                 ));
             }
             Filter::Box => String::new(),
@@ -209,6 +215,34 @@ impl SettingArgs {
         }
     }
 
+    /// Refuses, for `cluster-tree`, options of another method and a `roughness` that it does not answer for.
+    fn check_for_tree(&self, roughness: Option<f64>) -> Result<(), CommandError> {
+        let given = [("--exact", self.exact), ("--paper", self.paper)];
+        if let Some((option, _)) = given.iter().find(|(_, is_given)| *is_given) {
+            return Err(CommandError::new(
+                Failure::NotBaked,
+                format!(
+                    "{option}: a setting of flake-bins, and cluster-tree answers, from every texel's own normal within --eps; leave it out"
+                ),
+            ));
+        }
+        let [least, most] = ClusterTree::ROUGHNESS;
+        // Written so that NaN is refused.
+        match roughness.filter(|&alpha| !(alpha >= least && alpha <= most)) {
+            Some(alpha) => Err(CommandError::new(
+                Failure::Usage,
+                format!(
+                    "{}: Beckmann roughness must lie between {least} and {most}",
+                    match self.intrinsic_roughness {
+                        Some(sigma) => format!("--intrinsic-roughness {sigma} (roughness {alpha})"),
+                        None => format!("--roughness {alpha}"),
+                    }
+                ),
+            )),
+            None => Ok(()),
+        }
+    }
+
     fn not_baked(&self, package: &Package<'_>) -> CommandError {
         if package.instances().next().is_none() {
             return CommandError::new(
@@ -232,6 +266,9 @@ impl SettingArgs {
         let baked: Vec<_> = package
             .instances()
             .map(|instance| match instance.roughness {
+                _ if instance.method == Method::ClusterTree => {
+                    "cluster-tree with any roughness".to_owned()
+                }
                 Some(alpha) => format!(
                     "{} with roughness {alpha} (intrinsic {:.6})",
                     instance.method.name(),
@@ -250,9 +287,15 @@ impl SettingArgs {
         CommandError::new(
             Failure::NotBaked,
             format!(
-                "{} is not in the package, which holds: {}; choose one of these, or bake again with the one you need",
+                "{} is not in the package, which holds: {}; choose one of these, or bake again{}",
                 wanted.join(" and "),
-                baked.join(", ")
+                baked.join(", "),
+                // Another roughness of a method that is there: no need to know it before.
+                match self.roughness.or(self.intrinsic_roughness) {
+                    Some(_) =>
+                        " with the one you need, or with cluster-tree, which answers for all",
+                    None => " with the one you need",
+                }
             ),
         )
     }

@@ -1,6 +1,6 @@
 //! `bake`: image to package.
 
-use super::{describe, open, paths};
+use super::{describe, lattice, open, paths};
 use crate::args::BakeArgs;
 use crate::exit::{CommandError, Failure};
 use crate::output::{Console, human_bytes};
@@ -9,7 +9,6 @@ use glintbake_bake::image::{HashedFile, InputFile};
 use glintbake_bake::normals::{self, Statistics};
 use glintbake_bake::package::publish;
 use glintbake_bake::{Recipe, Source};
-use glintbake_format::model::Binning;
 use glintbake_format::{HEADER_LENGTH, check};
 use glintbake_runtime::Package;
 use serde_json::{Value, json};
@@ -64,7 +63,9 @@ pub fn run(arguments: &BakeArgs, console: &Console) -> Result<(), CommandError> 
     let package = open::package(&arguments.output, &bytes)?;
     let metadata = describe::metadata(&package)?;
     if !up_to_date {
-        coarse_lattice_warnings(console, &package, &metadata, arguments);
+        for instance in package.instances() {
+            lattice::warn(console, arguments.image.display(), &metadata, &instance);
+        }
     }
     if let Some(preview) = &arguments.preview {
         let progress = console.progress("drawing the preview");
@@ -149,37 +150,6 @@ fn texels(count: u64) -> String {
     match count {
         1 => "1 texel".to_owned(),
         _ => format!("{count} texels"),
-    }
-}
-
-/// Warns where bins are finer than the lattice of the map's normals: the surface then glints in rows.
-fn coarse_lattice_warnings(
-    console: &Console,
-    package: &Package<'_>,
-    metadata: &Value,
-    arguments: &BakeArgs,
-) {
-    let Some(step) = metadata
-        .pointer("/statistics/lattice/step")
-        .and_then(Value::as_f64)
-    else {
-        return;
-    };
-    for instance in package.instances() {
-        let Some(bins) = instance.bins() else {
-            continue;
-        };
-        let bin = 2.0 / f64::from(bins.grid.resolution());
-        if let Some(alpha) = instance.roughness
-            && bins.grid.binning() == Binning::DiskGrid
-            && step > bin
-        {
-            console.warn(format_args!(
-                "{}: its normals lie on a lattice of step {step:.5}, coarser than the bins of roughness {alpha} \
-                 ({bin:.5}): glints will line up in rows. Use a 16-bit or float map, or a roughness of 0.01 or more",
-                arguments.image.display()
-            ));
-        }
     }
 }
 

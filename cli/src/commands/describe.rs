@@ -31,10 +31,14 @@ pub(super) fn bytes_per_texel(package: &Package<'_>, bytes: u64) -> f64 {
 
 /// One line about an instance.
 pub(super) fn instance(instance: &Instance) -> String {
-    let roughness = instance
-        .roughness
-        .map(|alpha| format!(", roughness {alpha}"))
-        .unwrap_or_default();
+    // A tree answers for every roughness: what it has is what a query that names none gets.
+    let roughness = match (instance.roughness, instance.structure) {
+        (Some(alpha), Structure::Clusters { .. }) => {
+            format!(", any roughness ({alpha} by default)")
+        }
+        (Some(alpha), _) => format!(", roughness {alpha}"),
+        (None, _) => String::new(),
+    };
     let structure = match instance.structure {
         Structure::Bins(bins) => {
             let inverse = match bins.inverse {
@@ -48,7 +52,7 @@ pub(super) fn instance(instance: &Instance) -> String {
         Structure::Pyramid { finest_level } => {
             format!("levels {finest_level} to {}", top(instance))
         }
-        Structure::Clusters { kernel } => format!("kernel {}", kernel.name()),
+        Structure::Clusters { kernel } => format!("kernel {} by default", kernel.name()),
     };
     format!(
         "instance {}: {} {} x {}{roughness}, {structure}, {}",

@@ -3,6 +3,7 @@
 pub mod bake;
 mod describe;
 pub mod inspect;
+mod lattice;
 mod open;
 mod paths;
 pub mod picture;

@@ -1,6 +1,6 @@
 //! `picture`: what a package looks like.
 
-use super::{open, paths};
+use super::{lattice, open, paths};
 use crate::args::{Picture, PictureArgs, PictureBallArgs, PictureNdfArgs};
 use crate::exit::{CommandError, Failure};
 use crate::output::Console;
@@ -49,6 +49,7 @@ fn run_ndf(arguments: &PictureNdfArgs, console: &Console) -> Result<(), CommandE
         &picture.pixels,
     )?;
     progress.finish_and_clear();
+    lattice::warn_of_query(console, &arguments.open, &chosen, &bytes);
     let output = arguments.output.display();
     let reach = 1.0 / arguments.zoom;
     let sigma = arguments.texels / 2.0;
@@ -98,6 +99,7 @@ fn run_ball(arguments: &PictureBallArgs, console: &Console) -> Result<(), Comman
         &picture.pixels,
     )?;
     progress.finish_and_clear();
+    lattice::warn_of_query(console, &arguments.open, &chosen, &bytes);
     let output = arguments.output.display();
     console.line(format_args!(
         "{output}: {}, {:.3} tiles around the ball",

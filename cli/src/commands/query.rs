@@ -1,6 +1,6 @@
 //! `query`: a table of footprints and half vectors in, the same with densities out.
 
-use super::{open, paths};
+use super::{lattice, open, paths};
 use crate::args::QueryArgs;
 use crate::exit::{CommandError, Failure};
 use crate::output::Console;
@@ -54,6 +54,7 @@ pub fn run(arguments: &QueryArgs, console: &Console) -> Result<(), CommandError>
         .map(|(row, answer)| answer.map_err(|error| refused(error, arguments, row.line)))
         .collect::<Result<Vec<f64>, _>>()?;
     progress.finish_and_clear();
+    lattice::warn_of_query(console, &arguments.open, &chosen, &bytes);
     match &arguments.output {
         Some(path) => {
             publish(path, |file| {

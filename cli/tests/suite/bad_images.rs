@@ -147,23 +147,35 @@ fn a_png_that_claims_more_texels_than_any_memory_holds_is_refused_by_its_header(
 fn a_map_beyond_the_memory_limit_is_refused_before_it_is_read() {
     let workshop = Workshop::new();
     files::rgb8(&workshop.path("map.png"), (256, 200), files::leaning);
-    // 51 200 texels: 20 bytes each with one roughness, 32 with two.
-    let bake = ["bake", "map.png", "-o=map.glint", "--memory=1.2MB"];
-    workshop.succeeds(&[&bake[..], &["--roughness=0.1"]].concat());
+    // 51 200 texels: 20 bytes each with bins for one roughness, 32 for two, and with a tree whatever the number.
+    let bake = ["bake", "map.png", "-o=map.glint"];
+    for enough in [
+        "--method=flake-bins --roughness=0.1 --memory=1.2MB",
+        "--roughness=0.1 --memory=1.7MB",
+        "--roughness=0.1,0.2,0.3 --memory=1.7MB",
+    ] {
+        let options: Vec<_> = enough.split(' ').collect();
+        workshop.succeeds(&[&bake[..], &options].concat());
+    }
     refuses(
         &workshop,
         3,
         "map.png",
-        &["--roughness=0.2", "--memory=1.2MB"],
+        &["--method=flake-bins", "--roughness=0.2", "--memory=1.2MB"],
         &["256 x 200 texels", "37500", "--memory"],
     );
-    refuses(
-        &workshop,
-        3,
-        "map.png",
-        &["--memory=1MB"],
-        &["50000", "--memory"],
-    );
+    for (method, texels) in [
+        ("--method=flake-bins", "50000"),
+        ("--method=cluster-tree", "31250"),
+    ] {
+        refuses(
+            &workshop,
+            3,
+            "map.png",
+            &[method, "--memory=1MB"],
+            &[texels, "--memory"],
+        );
+    }
 }
 
 #[test]

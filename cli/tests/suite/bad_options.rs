@@ -22,7 +22,9 @@ fn roughness_out_of_range_or_named_twice_is_refused() {
     refuses(&["--roughness=nan"], &["--roughness NaN: ", range]);
     refuses(&["--roughness=0.1,ten"], &["--roughness", "ten"]);
     refuses(&["--roughness="], &["--roughness"]);
-    refuses(&[], &["--roughness: ", "such as 0.01"]);
+    for method in ["--method=flake-bins", "--method=flake-bins,cluster-tree"] {
+        refuses(&[method], &["--roughness: flake-bins", "such as 0.01"]);
+    }
     refuses(
         &["--roughness=0.1,0.2,0.1"],
         &["--roughness 0.1", "named twice"],
@@ -51,7 +53,7 @@ fn options_of_another_method_are_refused_with_the_reason() {
         );
     };
     refuses(
-        &["--roughness=0.1", "--bins=64"],
+        &["--method=flake-bins", "--roughness=0.1", "--bins=64"],
         &["--bins 64", "derives its bins from the roughness"],
     );
     let mirrors = "--method=specular-bins";
@@ -69,7 +71,12 @@ fn options_of_another_method_are_refused_with_the_reason() {
     }
     refuses(&[mirrors, "--bins=many"], &["--bins", "many"]);
     refuses(
-        &["--roughness=0.1", "--index=forest", "--leaf-size=0"],
+        &[
+            "--method=flake-bins",
+            "--roughness=0.1",
+            "--index=forest",
+            "--leaf-size=0",
+        ],
         &["--leaf-size 0", "at least 1"],
     );
     for index in [
@@ -78,10 +85,10 @@ fn options_of_another_method_are_refused_with_the_reason() {
         Some("--index=tiles"),
         Some("--index=none"),
     ] {
-        let leaves = ["--roughness=0.1", "--leaf-size=8"];
+        let leaves = ["--method=flake-bins", "--roughness=0.1", "--leaf-size=8"];
         refuses(
             &leaves.into_iter().chain(index).collect::<Vec<_>>(),
-            &["--leaf-size 8: only a forest has leaves; add --index forest"],
+            &["--leaf-size 8: only a forest has leaves to choose; add --index forest"],
         );
     }
     for index in ["trees", "Tiles", "dense", ""] {

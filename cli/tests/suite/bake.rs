@@ -5,7 +5,13 @@ use crate::workshop::Workshop;
 #[test]
 fn a_bake_says_what_is_in_the_package_and_the_package_is_sound() {
     let workshop = Workshop::with_map();
-    let said = workshop.succeeds(&["bake", "map.png", "-o=map.glint", "--roughness=0.005,0.02"]);
+    let said = workshop.succeeds(&[
+        "bake",
+        "map.png",
+        "-o=map.glint",
+        "--method=flake-bins",
+        "--roughness=0.005,0.02",
+    ]);
     let lines: Vec<_> = said.lines().collect();
     assert_eq!(lines.len(), 5, "{said}");
     let bytes = workshop.read("map.glint").len() as f64;

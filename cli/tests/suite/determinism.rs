@@ -6,7 +6,7 @@ use std::fs::File;
 use std::time::{Duration, SystemTime};
 
 const OPTIONS: [&str; 4] = [
-    "--method=flake-bins,specular-bins",
+    "--method=cluster-tree,flake-bins,specular-bins,lean",
     "--roughness=0.1,0.01",
     "--exact-normals",
     "--force",

@@ -134,7 +134,8 @@ fn the_choice_and_its_reason_are_in_the_package() {
         ("none", "none", "asked for"),
     ] {
         let index = format!("--index={index}");
-        workshop.succeeds(&["bake", "map.png", "-o=f.glint", "--roughness=0.01", &index]);
+        let bake = ["bake", "map.png", "-o=f.glint", "--method=flake-bins"];
+        workshop.succeeds(&[&bake[..], &["--roughness=0.01", &index]].concat());
         let text = workshop.succeeds(&["inspect", "f.glint"]);
         let line = format!("  index: {kind} for instance 1: ");
         let found = text.lines().find_map(|text| text.strip_prefix(&line));

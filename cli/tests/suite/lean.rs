@@ -146,7 +146,7 @@ fn options_of_bins_are_refused_and_levels_are_lean_s_alone() {
         &["--roughness: lean is baked for given roughnesses"],
     );
     refuses(
-        &["--roughness=0.1", "--finest-level=0"],
+        &["--method=flake-bins", "--roughness=0.1", "--finest-level=0"],
         &["--finest-level 0: flake-bins has no levels"],
     );
     // Two methods with a roughness, and still none that counts bins.

@@ -9,6 +9,7 @@ mod bad_options;
 mod bad_packages;
 mod bad_queries;
 mod bake;
+mod cluster_tree;
 mod decode;
 mod determinism;
 mod files;

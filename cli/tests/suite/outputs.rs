@@ -259,7 +259,7 @@ fn a_killed_bake_leaves_the_old_package() {
                 "-o=map.glint",
                 "--roughness=0.1,0.01,0.003",
             ])
-            .args(["--exact-normals", "--quiet"])
+            .args(["--method=flake-bins", "--exact-normals", "--quiet"])
             .current_dir(workshop.folder())
             .spawn()
             .expect("the program starts");

@@ -65,6 +65,7 @@ fn exact_normals_make_the_exact_setting_testable() {
         "bake",
         "map.png",
         "-o=exact.glint",
+        "--method=flake-bins",
         "--roughness=0.3",
         "--exact-normals",
     ]);

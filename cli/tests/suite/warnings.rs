@@ -17,7 +17,8 @@ fn eight_bits_are_too_few_for_a_small_roughness_and_the_user_is_told_so() {
         assert_eq!(run.code, Some(0), "{run:#?}");
         run.stderr
     };
-    let warning = bake("eight.png", &["--roughness=0.005"]);
+    let bins = "--method=flake-bins";
+    let warning = bake("eight.png", &[bins, "--roughness=0.005"]);
     assert_eq!(warning.lines().count(), 1, "{warning}");
     for text in [
         "warning: eight.png: ",
@@ -28,24 +29,70 @@ fn eight_bits_are_too_few_for_a_small_roughness_and_the_user_is_told_so() {
     ] {
         assert!(warning.contains(text), "{text:?} in {warning}");
     }
-    let both = bake("eight.png", &["--roughness=0.005,0.002,0.05"]);
+    let both = bake("eight.png", &[bins, "--roughness=0.005,0.002,0.05"]);
     assert_eq!(
         both.lines().count(),
         2,
         "one for each roughness that is too small: {both}"
     );
     assert_eq!(
-        bake("eight.png", &["--roughness=0.01"]),
+        bake("eight.png", &[bins, "--roughness=0.01"]),
         "",
         "the remedy must help"
     );
     assert_eq!(bake("eight.png", &["--method=specular-bins"]), "");
-    assert_eq!(bake("eight.png", &["--roughness=0.005", "--quiet"]), "");
     assert_eq!(
-        bake("sixteen.png", &["--roughness=0.005"]),
+        bake("eight.png", &[bins, "--roughness=0.005", "--quiet"]),
+        ""
+    );
+    assert_eq!(
+        bake("sixteen.png", &[bins, "--roughness=0.005"]),
         "",
         "the remedy must help"
     );
+}
+
+#[test]
+fn a_tree_is_warned_of_by_whoever_names_the_roughness() {
+    let workshop = Workshop::new();
+    workshop.succeeds(&["sample", "waves", "--size=48", "--bits=8", "-o=map.png"]);
+    workshop.write(
+        "q.csv",
+        "u,v,e1u,e1v,e2u,e2v,s,t\n0.5,0.5,0.1,0,0,0.1,0,0\n",
+    );
+    let warning = |arguments: &[&str]| {
+        let run = workshop.run(arguments);
+        assert_eq!(run.code, Some(0), "{run:#?}");
+        run.stderr
+    };
+    let bake = ["bake", "map.png", "-o=map.glint", "--force"];
+    assert_eq!(warning(&bake), "", "the default must be wide enough");
+    let readers: [&[&str]; 3] = [
+        &["query", "map.glint", "--queries=q.csv"],
+        &["picture", "ndf", "map.glint", "-o=a.png", "--pixels=4"],
+        &["picture", "ball", "map.glint", "-o=a.png", "--pixels=4"],
+    ];
+    for reader in readers {
+        let with = |option| warning(&[reader, &[option]].concat());
+        let said = with("--roughness=0.003");
+        assert_eq!(said.lines().count(), 1, "{said}");
+        for text in [
+            "warning: map.glint: its normals lie on a lattice of step 0.00784",
+            "coarser than flakes of roughness 0.003 bridge (0.00530)",
+            "a roughness of 0.01 or more",
+        ] {
+            assert!(said.contains(text), "{text:?} in {said}");
+        }
+        assert_eq!(with("--roughness=0.01"), "", "the remedy must help");
+        assert_eq!(with("--quiet"), "");
+    }
+    let baked = warning(&[&bake[..], &["--roughness=0.003,0.1"]].concat());
+    assert!(
+        baked.starts_with("warning: map.png: its normals"),
+        "{baked}"
+    );
+    assert_eq!(baked.lines().count(), 1, "{baked}");
+    assert_eq!(warning(readers[0]), "", "told at the bake already");
 }
 
 #[test]
@@ -54,7 +101,7 @@ fn sixteen_bits_that_hold_eight_are_told_apart() {
     files::rgb16(&workshop.path("map.png"), (24, 12), |column, row| {
         files::leaning(column, row).map(|x| u16::from(x) * 257)
     });
-    let run = workshop.run(&["bake", "map.png", "-o=map.glint", "--roughness=0.005"]);
+    let run = workshop.run(&["bake", "map.png", "-o=map.glint", "--roughness=0.003"]);
     assert!(run.stderr.contains("lattice of step 0.00784"), "{run:#?}");
 }
 
@@ -91,7 +138,7 @@ fn warnings_leave_json_on_standard_output_alone() {
         "bake",
         "map.png",
         "-o=map.glint",
-        "--roughness=0.005",
+        "--roughness=0.003",
         "--json",
     ]);
     assert!(run.stderr.starts_with("warning: "), "{run:#?}");
