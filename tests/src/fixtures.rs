@@ -54,6 +54,28 @@ pub fn lean_package(map: &NormalMap, roughness: &[f64]) -> Vec<u8> {
     package(map, MethodRecipe::new(Method::Lean, roughness))
 }
 
+/// The bytes of `map` baked for `cluster-tree` with each roughness as a default.
+pub fn tree_package(map: &NormalMap, roughness: &[f64]) -> Vec<u8> {
+    package(map, MethodRecipe::new(Method::ClusterTree, roughness))
+}
+
+/// A map of which the left half is flakes and the right noise, above its last rows of waves: cluster trees store leaves of
+/// every kind for it.
+pub fn mixed_map(width: u32, height: u32, seed: u64, wrap: Wrap) -> NormalMap {
+    let [flakes, noise, waves] = [Kind::Flakes, Kind::Noise, Kind::Waves]
+        .map(|kind| sample_map(kind, width, height, seed, wrap));
+    let texels = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+    let normals = texels.map(|(column, row)| {
+        let map = match (column < width / 2, row < height - height / 3) {
+            (_, false) => &waves,
+            (true, true) => &flakes,
+            (false, true) => &noise,
+        };
+        map.texels()[(row * width + column) as usize]
+    });
+    NormalMap::new(width, height, wrap, normals.collect())
+}
+
 /// The bytes of `map` baked by `recipe`.
 pub fn package(map: &NormalMap, recipe: MethodRecipe) -> Vec<u8> {
     bake(map, &Recipe::new(vec![recipe]), None)

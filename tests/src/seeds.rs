@@ -1,11 +1,11 @@
 //! The seed corpus: small packages for fuzzing to start from, sound ones and damaged ones.
 
-use crate::fixtures::{package, sample_map};
+use crate::fixtures::{mixed_map, package, sample_map};
 use crate::lies::{reseal, section_range};
 use crate::naive_lists;
 use glintbake_bake::MethodRecipe;
 use glintbake_bake::normals::NormalMap;
-use glintbake_format::model::{Method, Wrap};
+use glintbake_format::model::{Kernel, Method, Wrap};
 use glintbake_format::records::InverseKind::{self, Forest, None as NoInverse, Tiles};
 use glintbake_format::{Container, SectionEntry};
 use glintbake_samples::Kind;
@@ -42,7 +42,12 @@ pub fn seeds() -> Vec<Seed> {
             bytes,
         })
         .collect();
-    seeds.extend(damaged(&[all_of_a_forest(), all_of_tiles(), all_of_lean()]));
+    seeds.extend(damaged(&[
+        all_of_a_forest(),
+        all_of_tiles(),
+        all_of_lean(),
+        all_of_a_tree(),
+    ]));
     seeds
 }
 
@@ -83,6 +88,15 @@ fn lean(map: &NormalMap, roughness: &[f64], finest_level: u32) -> Vec<u8> {
     package(map, recipe)
 }
 
+fn tree(map: &NormalMap, roughness: &[f64], kernel: Kernel) -> Vec<u8> {
+    let recipe = MethodRecipe {
+        kernel: Some(kernel),
+        masking: false,
+        ..MethodRecipe::new(Method::ClusterTree, roughness)
+    };
+    package(map, recipe)
+}
+
 fn sound() -> Vec<(&'static str, Vec<u8>)> {
     let repeat = sample_map(Kind::Flakes, 9, 7, 5, Wrap::Repeat);
     let clamp = sample_map(Kind::Noise, 7, 8, 2, Wrap::Clamp);
@@ -116,6 +130,13 @@ fn sound() -> Vec<(&'static str, Vec<u8>)> {
         ("lean-coarse", lean(&clamp, &[0.002], 1)),
         ("lean-one-row", lean(&row, &[0.8], 0)),
         ("lean-one-texel", lean(&texel, &[0.5], 0)),
+        ("tree", all_of_a_tree()),
+        ("tree-clamp", tree(&clamp, &[0.1], Kernel::Disk)),
+        ("tree-one-texel", tree(&texel, &[0.5], Kernel::Beckmann)),
+        ("tree-of-three-levels", {
+            let row = sample_map(Kind::Brushed, 1, 258, 3, Wrap::Repeat);
+            tree(&row, &[0.003], Kernel::Beckmann)
+        }),
         ("one-texel", flakes(&texel, &[0.5], Forest, 1, true)),
         ("one-texel-tiles", flakes(&texel, &[0.5], Tiles, 1, false)),
         ("one-row", flakes(&row, &[0.8], Forest, 4, false)),
@@ -146,6 +167,12 @@ fn all_of_tiles() -> Vec<u8> {
 fn all_of_lean() -> Vec<u8> {
     let map = sample_map(Kind::Flakes, 9, 7, 5, Wrap::Repeat);
     lean(&map, &[0.4, 0.02], 0)
+}
+
+/// A package of two instances that share a tree of two levels of tiles, with leaves of every kind.
+fn all_of_a_tree() -> Vec<u8> {
+    let map = mixed_map(65, 3, 3, Wrap::Repeat);
+    tree(&map, &[0.02, 0.4], Kernel::Beckmann)
 }
 
 /// The first of `sound` cut and flipped, and each with one resealed lie in each section of a kind not yet lied in.
