@@ -6,11 +6,13 @@
 use crate::lies::reseal;
 use crate::tolerances::{WEIGHT, WEIGHT_SUM};
 use glintbake_format::check;
-use glintbake_format::model::{Filter, Footprint, HalfVector, Neighbourhood};
+use glintbake_format::model::{Filter, Footprint, HalfVector, Kernel, Neighbourhood};
 use glintbake_format::records::InverseKind;
 use glintbake_runtime::microfacet::{brdf, fresnel::Fresnel};
 use glintbake_runtime::ndf::Lookup;
-use glintbake_runtime::{FlakeBins, Ndf, Package, QueryError, Setting, SurfaceNdf};
+use glintbake_runtime::{
+    Accuracy, ClusterTree, FlakeBins, Ndf, Package, QueryError, Setting, SurfaceNdf,
+};
 
 /// Instances of one package that are asked.
 const MOST_INSTANCES: usize = 8;
@@ -99,10 +101,32 @@ fn variants(ndf: SurfaceNdf<'_>) -> Vec<SurfaceNdf<'_>> {
         let forced = [Lookup::Lists, Lookup::Scan];
         variants.extend(forced.map(|lookup| SurfaceNdf::FlakeBins(ndf.with_lookup(lookup))));
     }
+    if let SurfaceNdf::ClusterTree(ndf) = ndf {
+        variants.extend(of_tree(ndf));
+    }
     let gaussian = ndf.with_filter(Filter::Gaussian);
     variants.extend([gaussian, gaussian.with_tolerance(0.0)]);
     variants.extend(gaussian.with_setting(Setting::Exact));
     variants
+}
+
+/// `ndf` for needles and for blunt flakes, by the other kernel, and with next to nothing skipped.
+fn of_tree(ndf: ClusterTree<'_>) -> impl Iterator<Item = SurfaceNdf<'_>> {
+    let [needle, blunt] = ClusterTree::ROUGHNESS;
+    let settings = [
+        (needle, Kernel::Disk, Filter::Box, Accuracy::DEFAULT),
+        (blunt, Kernel::Beckmann, Filter::Gaussian, Accuracy::DEFAULT),
+        (0.1, Kernel::Disk, Filter::Gaussian, 1e-9),
+    ];
+    settings
+        .into_iter()
+        .map(move |(alpha, kernel, filter, eps)| {
+            let ndf = ndf.with_kernel(kernel);
+            let ndf = ndf.and_then(|ndf| ndf.with_roughness(alpha));
+            let ndf = ndf.expect("what every tree answers for");
+            let accuracy = Accuracy::Fast(eps);
+            SurfaceNdf::ClusterTree(ndf.with_filter(filter).with_accuracy(accuracy))
+        })
 }
 
 /// What finds the texels of a bin of `ndf`.
@@ -204,6 +228,18 @@ fn ask(ndf: &SurfaceNdf<'_>, size: [u32; 2], is_sound: bool) {
         }
         let h = drawn.unwrap_or(given);
         check(footprint, h, ndf.pdf(footprint, h));
+        if let SurfaceNdf::ClusterTree(tree) = ndf
+            && tree.kernel() == Kernel::Disk
+            && number % 4 == 1
+        {
+            let strict = tree.with_accuracy(Accuracy::Strict(0.5));
+            let bounded = strict.eval_bounded(footprint, h);
+            check(footprint, h, bounded.map(|bounded| bounded.density));
+            // What is proved of a sound tree says nothing of one that lies.
+            if is_sound {
+                check(footprint, h, bounded.map(|bounded| bounded.bound));
+            }
+        }
     }
     let [h, ..] = HALF_VECTORS;
     for (footprint, error) in refused_footprints() {

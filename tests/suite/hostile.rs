@@ -1,16 +1,18 @@
 //! Damaged and lying packages: a typed finding, never a panic, a hang or a wrong number that looks right.
 
-use glintbake_format::model::{Footprint, HalfVector, Neighbourhood, Wrap};
+use glintbake_bake::MethodRecipe;
+use glintbake_format::model::{Filter, Footprint, HalfVector, Method, Neighbourhood, Wrap};
 use glintbake_format::records::{
-    BLOCKED_BIN_MAP, FOREST, INDEX, INSTANCES, INVERSE_BIN_MAP, LIST_BLOCKS, LIST_COUNTS,
-    LIST_KEYS, LIST_TILES, LISTS, MASKING, MEANS, PAGES, SPREADS,
+    BLOCKED_BIN_MAP, FINE_STARTS, FOREST, INDEX, INSTANCES, INVERSE_BIN_MAP, LEAVES, LIST_BLOCKS,
+    LIST_COUNTS, LIST_KEYS, LIST_TILES, LISTS, MASKING, MEANS, NODES, PAGES, ROOTS, SPREADS,
 };
 use glintbake_format::{Container, ENTRY_LENGTH, Fault, FourCc, HEADER_LENGTH, check};
 use glintbake_runtime::{Ndf, Package, Setting};
 use glintbake_samples::Kind;
 use glintbake_tests::exercise::interrogate;
 use glintbake_tests::fixtures::{
-    Stream, flake_package, forest_package, lean_package, sample_map, specular_package,
+    Stream, flake_package, forest_package, lean_package, mixed_map, package, sample_map,
+    specular_package, tree_package,
 };
 use glintbake_tests::lies::{reseal, section_range};
 use glintbake_tests::naive_lists;
@@ -40,6 +42,15 @@ fn small_lean() -> Vec<u8> {
     lean_package(&map, &[0.4, 0.02])
 }
 
+/// A small package of two instances that share a tree, with tiles of two levels and leaves of every kind.
+fn small_tree() -> Vec<u8> {
+    let recipe = MethodRecipe {
+        masking: false,
+        ..MethodRecipe::new(Method::ClusterTree, &[0.4, 0.02])
+    };
+    package(&mixed_map(65, 3, 3, Wrap::Repeat), recipe)
+}
+
 fn finds_something(bytes: &[u8]) -> bool {
     match Container::open(bytes) {
         Err(_) => true,
@@ -59,6 +70,8 @@ fn a_sound_package_has_no_findings() {
         small_tiles(),
         small_tiles_in_full(),
         small_lean(),
+        small_tree(),
+        tree_package(&map, &[1.0, 0.0001]),
         lean_package(&map, &[0.9, 0.0001]),
         flake_package(&map, &[0.9, 0.01]),
         specular_package(&map, 40),
@@ -72,7 +85,12 @@ fn a_sound_package_has_no_findings() {
 
 #[test]
 fn every_flipped_bit_is_found() {
-    for sound in [small_package(), small_tiles_in_full(), small_lean()] {
+    for sound in [
+        small_package(),
+        small_tiles_in_full(),
+        small_lean(),
+        small_tree(),
+    ] {
         every_flipped_bit_of_is_found(&sound);
     }
 }
@@ -191,6 +209,77 @@ fn lies_in_pyramids_are_found_by_structure_alone_and_survived_by_queries() {
     });
     assert!(faults.contains(&Fault::SectionCount), "{faults:?}");
     interrogate(&bytes);
+}
+
+#[test]
+fn lies_in_trees_are_found_by_structure_alone_and_survived_by_queries() {
+    let sound = small_tree();
+    let below_one = (-0.5_f32).to_le_bytes().to_vec();
+    let cases: [Lie; 8] = [
+        (
+            ROOTS,
+            1,
+            f32::NAN.to_le_bytes().to_vec(),
+            Fault::ClusterRoot,
+        ),
+        (ROOTS, 1, below_one, Fault::ClusterRoot),
+        (NODES, 1, vec![0xFF; 16], Fault::ClusterBox),
+        (NODES, 1, vec![0xC0; 16], Fault::ClusterLeafKind),
+        (NODES, 1, vec![0x00; 16], Fault::ClusterMoments),
+        (LEAVES, 1, vec![0x00; 32], Fault::ClusterTexels),
+        (LEAVES, 1, vec![0xFF; 64], Fault::ClusterUnused),
+        (FINE_STARTS, 1, vec![0xFF; 4], Fault::ClusterLeafKind),
+    ];
+    every_lie_is_found_and_survived(&sound, &cases);
+    let records = section_range(&sound, INSTANCES, 0).start;
+    for (place, lie, fault) in [
+        (24, 7, Fault::ReservedNotZero),
+        (28, 1, Fault::ReservedNotZero),
+        (32, 1, Fault::ReservedNotZero),
+        (36, 1, Fault::ReservedNotZero),
+        (38, 2, Fault::ReservedNotZero),
+        (40, 9, Fault::ReservedNotZero),
+        (44, 1, Fault::ReservedNotZero),
+        (48, 0, Fault::InstanceField),
+        (48, 2, Fault::InstanceField),
+        (48, 4, Fault::InstanceField),
+        (49, 1, Fault::InstanceField),
+        (50, 1, Fault::ReservedNotZero),
+    ] {
+        let mut bytes = sound.clone();
+        bytes[records + place] = lie;
+        assert!(reseal(&mut bytes));
+        let finding = Container::open(&bytes).expect_err("a lying record does not open");
+        assert_eq!(finding.fault, fault, "byte {place}: {finding}");
+    }
+    // Another size: the tree is not that of such a map, and the instance beside it has none to share.
+    for (place, lie) in [(8, 66), (12, 4), (64 + 8, 66)] {
+        let mut bytes = sound.clone();
+        bytes[records + place] = lie;
+        assert!(reseal(&mut bytes));
+        assert!(finds_something_in_structure(&bytes), "byte {place}");
+        interrogate(&bytes);
+    }
+}
+
+fn finds_something_in_structure(bytes: &[u8]) -> bool {
+    let mut found = false;
+    let container = Container::open(bytes).expect("its record is in order");
+    check::structure(&container, &mut |_| found = true);
+    found
+}
+
+#[test]
+fn a_stored_roughness_of_any_size_gives_a_tree_no_wrong_number() {
+    // The format lets 1e-9 to 1e9 through, far beyond what any query may ask for.
+    let sound = small_tree();
+    let roughness = section_range(&sound, INSTANCES, 0).start + 16;
+    for lie in [1e-9_f64, 1e-6, 1e-4, 1.0, 30.0, 1e5, 1e9] {
+        let mut bytes = sound.clone();
+        bytes[roughness..roughness + 8].copy_from_slice(&lie.to_le_bytes());
+        assert!(reseal(&mut bytes));
+        interrogate(&bytes);
+    }
 }
 
 #[test]
@@ -356,7 +445,12 @@ fn unknown_sections_are_skipped_unless_critical() {
 #[test]
 fn bytes_all_over_a_small_package_may_lie_without_harm() {
     let mut stream = Stream::new(1);
-    for sound in [small_package(), small_tiles_in_full(), small_lean()] {
+    for sound in [
+        small_package(),
+        small_tiles_in_full(),
+        small_lean(),
+        small_tree(),
+    ] {
         // One in seven: the other tests and the corpus lie elsewhere, and 7 divides no record's size.
         for place in (HEADER_LENGTH..sound.len()).step_by(7) {
             let mut bytes = sound.clone();
@@ -378,11 +472,12 @@ proptest! {
     #[test]
     fn any_few_lies_are_survived(
         lies in proptest::collection::vec((any::<proptest::sample::Index>(), any::<u8>()), 1..12),
-        kind in 0..3,
+        kind in 0..4,
     ) {
         let mut bytes = match kind {
             0 => small_tiles_in_full(),
             1 => small_lean(),
+            2 => small_tree(),
             _ => small_package(),
         };
         let data = bytes.len() - HEADER_LENGTH;
@@ -401,15 +496,21 @@ proptest! {
         s in -1.5..1.5,
         t in any::<f64>(),
         paper in any::<bool>(),
-        tiles in any::<bool>(),
+        kind in 0..3,
     ) {
-        let bytes = if tiles { small_tiles() } else { small_package() };
+        let bytes = match kind {
+            0 => small_tiles(),
+            1 => small_tree(),
+            _ => small_package(),
+        };
         let package = Package::open(&bytes).unwrap();
         let footprint = Footprint { centre, edge_1, edge_2 };
         for instance in package.instances() {
             let mut ndf = package.ndf(instance.number).unwrap();
-            if paper {
+            if paper && instance.bins().is_some() {
                 ndf = ndf.with_setting(Setting::Binned(Neighbourhood::Bins21)).unwrap();
+            } else if paper {
+                ndf = ndf.with_filter(Filter::Gaussian);
             }
             if let Ok(value) = ndf.eval(&footprint, HalfVector { s, t }) {
                 prop_assert!(value.is_finite() && value >= 0.0);
