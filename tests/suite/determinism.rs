@@ -2,7 +2,7 @@
 
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::{MethodRecipe, Recipe, bake};
-use glintbake_format::model::{Method, Wrap};
+use glintbake_format::model::{Kernel, Method, Wrap};
 use glintbake_format::records::InverseKind;
 use glintbake_runtime::Package;
 use glintbake_samples::Kind;
@@ -16,6 +16,15 @@ fn recipe() -> Recipe {
     Recipe::new(vec![flakes, MethodRecipe::new(Method::SpecularBins, &[])])
 }
 
+/// Every method, by its name's defaults.
+fn recipe_of_all() -> Recipe {
+    let mut recipe = recipe();
+    for method in [Method::Lean, Method::ClusterTree] {
+        recipe.methods.push(MethodRecipe::new(method, &[0.05]));
+    }
+    recipe
+}
+
 fn bytes_with_threads(kind: Kind, threads: usize) -> Vec<u8> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -24,7 +33,7 @@ fn bytes_with_threads(kind: Kind, threads: usize) -> Vec<u8> {
     // Large enough that work is split, and generated anew so that the samples are covered as well.
     pool.install(|| {
         let map = sample_map(kind, 400, 700, 11, Wrap::Repeat);
-        bake(&map, &recipe(), None)
+        bake(&map, &recipe_of_all(), None)
             .expect("the recipe is in range")
             .to_bytes()
     })
@@ -57,7 +66,22 @@ fn the_recipe_hash_tells_recipes_apart() {
     };
     let base = recipe();
     let mut seen = vec![hash(&base)];
-    let changes: [fn(&mut Recipe); 11] = [
+    let with_tree: fn(&mut Recipe) = |recipe| {
+        recipe
+            .methods
+            .push(MethodRecipe::new(Method::ClusterTree, &[]));
+    };
+    let changes: [fn(&mut Recipe); 14] = [
+        with_tree,
+        |recipe| {
+            let tree = MethodRecipe::new(Method::ClusterTree, &[0.1]);
+            recipe.methods.push(tree);
+        },
+        |recipe| {
+            let tree = MethodRecipe::new(Method::ClusterTree, &[]);
+            let kernel = Some(Kernel::Disk);
+            recipe.methods.push(MethodRecipe { kernel, ..tree });
+        },
         |recipe| recipe.methods.push(MethodRecipe::new(Method::Lean, &[0.1])),
         |recipe| recipe.methods[0].inverse = Some(InverseKind::Forest),
         |recipe| recipe.methods[1].inverse = Some(InverseKind::None),
@@ -93,6 +117,11 @@ fn baked_sections_match_their_snapshot() {
     insta::assert_json_snapshot!("baked_sections_of_forests", with(Some(InverseKind::Forest)));
     let lean = MethodRecipe::new(Method::Lean, &[0.002, 0.05]);
     insta::assert_json_snapshot!("baked_sections_of_lean", sections(&Recipe::new(vec![lean])));
+    let tree = MethodRecipe::new(Method::ClusterTree, &[0.002, 0.05]);
+    insta::assert_json_snapshot!(
+        "baked_sections_of_trees",
+        sections(&Recipe::new(vec![tree]))
+    );
     let none = with(Some(InverseKind::None));
     let of_maps = |line: &&String| !["LBLK", "LCNT", "LIST", "PAGE"].contains(&&line[..4]);
     let expected: Vec<_> = with(None).iter().filter(of_maps).skip(1).cloned().collect();
