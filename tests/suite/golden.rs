@@ -8,14 +8,19 @@
 //!   blocks, block lists with keys and tiles, masking.
 //! - `golden/v1/lean-24.glint`, version 1.2: `lean` at α = 0.05 and 0.004 (means to 32 bits) of a 24 × 21 map of scratches;
 //!   one pyramid for both, masking.
+//! - `golden/v1/tree-260.glint`, version 1.3: `cluster-tree` with α = 0.05 and 0.004 for queries that name none, of a 260 × 17
+//!   map of flakes, noise and waves (`mixed_map` of seed 7); one tree for both, of three levels of tiles and up to three
+//!   of nodes, with leaves of every kind, masking.
 
-use glintbake_format::model::{Footprint, HalfVector, Method};
-use glintbake_format::records::{IndexKind, InverseKind, Structure};
+use glintbake_format::model::{Filter, Footprint, HalfVector, Kernel, Method};
+use glintbake_format::records::ClusterNode;
+use glintbake_format::records::{IndexKind, InverseKind, LeafKind, NODES, Structure};
 use glintbake_format::{Container, check};
-use glintbake_runtime::{Ndf, Package, Setting};
+use glintbake_runtime::{Accuracy, ClusterTree, Ndf, Package, Setting, SurfaceNdf};
 
 const V1: &[u8] = include_bytes!("../golden/v1/noise-32.glint");
 const V1_2: &[u8] = include_bytes!("../golden/v1/lean-24.glint");
+const V1_3: &[u8] = include_bytes!("../golden/v1/tree-260.glint");
 const V1_1: &[u8] = include_bytes!("../golden/v1/scratches-96.glint");
 
 #[test]
@@ -112,6 +117,100 @@ fn version_1_2_is_sound_and_says_what_it_is() {
 #[test]
 fn version_1_2_answers_as_it_did() {
     insta::assert_json_snapshot!(answers(V1_2));
+}
+
+#[test]
+fn version_1_3_is_sound_and_says_what_it_is() {
+    let container = Container::open(V1_3).expect("a released version opens forever");
+    check::full(&container, &mut |finding| panic!("{finding}"));
+    assert_eq!(container.header().minor.get(), 3);
+    let instances: Vec<_> = container.instances().map(Result::unwrap).collect();
+    let structure = Structure::Clusters {
+        kernel: Kernel::Beckmann,
+    };
+    assert_eq!(
+        instances
+            .iter()
+            .map(|instance| (instance.method, instance.roughness, instance.structure))
+            .collect::<Vec<_>>(),
+        [
+            (Method::ClusterTree, Some(0.05), structure),
+            (Method::ClusterTree, Some(0.004), structure),
+        ]
+    );
+    let kinds: Vec<_> = container
+        .entries()
+        .iter()
+        .map(|entry| entry.kind.to_string())
+        .collect();
+    assert_eq!(
+        kinds,
+        [
+            "INST", "META", "FINE", "FNDX", "LEAF", "MASK", "NODE", "ROOT"
+        ]
+    );
+    let nodes: &[ClusterNode] = container.elements(instances[0].section(NODES)).unwrap();
+    for kind in [LeafKind::Narrow, LeafKind::Palette, LeafKind::Wide] {
+        let mut kinds = nodes.iter().flat_map(|node| node.deviation_xy);
+        assert!(
+            kinds.any(|byte| LeafKind::of(byte) == Some(kind)),
+            "{kind:?}"
+        );
+    }
+}
+
+#[test]
+fn version_1_3_answers_as_it_did() {
+    let package = Package::open(V1_3).unwrap();
+    let SurfaceNdf::ClusterTree(tree) = package.ndf(1).unwrap() else {
+        panic!("baked for cluster-tree");
+    };
+    let mut answers = Vec::new();
+    // The sum itself, whatever later releases skip: rounding is all they may differ by.
+    let tree = tree.with_accuracy(Accuracy::Fast(1e-9));
+    for (kernel, filter, alpha) in [
+        (Kernel::Beckmann, Filter::Box, 0.05),
+        (Kernel::Disk, Filter::Gaussian, 0.05),
+        (Kernel::Disk, Filter::Box, 0.01),
+        (Kernel::Beckmann, Filter::Gaussian, 0.3),
+    ] {
+        let ndf = tree.with_filter(filter).with_kernel(kernel);
+        let ndf = ndf.and_then(|ndf| ndf.with_roughness(alpha)).unwrap();
+        answers.extend(answers_of_tree(&ndf));
+    }
+    insta::assert_json_snapshot!(answers);
+}
+
+/// Densities under footprints from less than a texel to tiles.
+fn answers_of_tree(ndf: &ClusterTree<'_>) -> Vec<String> {
+    let mut answers = Vec::new();
+    for (size, centre) in [
+        (0.002, [0.3, 0.4]),
+        (0.05, [0.45, 0.9]),
+        (0.7, [0.6, 0.2]),
+        (2.3, [0.1, 0.1]),
+    ] {
+        let footprint = Footprint {
+            centre,
+            edge_1: [size, 0.1 * size],
+            edge_2: [-0.2 * size, size],
+        };
+        for (s, t) in [(-0.16, -0.07), (0.05, -0.05), (0.3, 0.2)] {
+            let density = ndf.eval(&footprint, HalfVector { s, t }).unwrap();
+            // Five digits: leaves and moments are summed in single precision. Less than a flank is none.
+            let density = match density {
+                ..1e-3 => "none".to_owned(),
+                _ => format!("{density:.4e}"),
+            };
+            answers.push(format!(
+                "{} {} {} {size}: {s} {t} {density}",
+                ndf.kernel().name(),
+                ndf.filter().name(),
+                ndf.roughness(),
+            ));
+        }
+    }
+    answers
 }
 
 /// Densities and samples of every instance and setting of the package `bytes`.
