@@ -245,12 +245,12 @@ impl BakeArgs {
         if let Some(leaf_size) = self.leaf_size
             && self.index.0 != Some(InverseKind::Forest)
         {
-            let bins = match methods {
-                [Method::ClusterTree] => " of flake-bins",
+            let method = match methods {
+                [Method::ClusterTree] => "--method flake-bins ",
                 _ => "",
             };
             return Err(usage(format!(
-                "--leaf-size {leaf_size}: only a forest{bins} has leaves to choose; add --index forest"
+                "--leaf-size {leaf_size}: only a forest has leaves to choose; add {method}--index forest"
             )));
         }
         let recipe = self.unchecked_recipe();

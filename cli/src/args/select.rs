@@ -125,9 +125,9 @@ impl SettingArgs {
             .find(self.method, roughness)
             .or_else(tree)
             .ok_or_else(|| self.not_baked(package))?;
-        self.check_tree_options(instance.method)?;
-        if instance.method == Method::ClusterTree {
-            self.check_for_tree(roughness)?;
+        match instance.method {
+            Method::ClusterTree => self.check_for_tree(roughness)?,
+            other => self.check_for_another(other, package)?,
         }
         let filter = self.filter.unwrap_or(instance.filter);
         let tolerance = self.tolerance.unwrap_or(DEFAULT_TOLERANCE);
@@ -194,25 +194,26 @@ impl SettingArgs {
         Ok(QuerySettings { ndf, description })
     }
 
-    /// Refuses options of `cluster-tree` for another method.
-    fn check_tree_options(&self, method: Method) -> Result<(), CommandError> {
-        if method == Method::ClusterTree {
-            return Ok(());
-        }
+    /// Refuses options of `cluster-tree` for another `method`.
+    fn check_for_another(&self, method: Method, package: &Package<'_>) -> Result<(), CommandError> {
         let given = [
             ("--kernel", self.kernel.is_some()),
             ("--eps", self.eps.is_some()),
         ];
-        match given.iter().find(|(_, is_given)| *is_given) {
-            Some((option, _)) => Err(CommandError::new(
-                Failure::Usage,
-                format!(
-                    "{option}: only cluster-tree has a choice of it, and {} answers; add --method cluster-tree, or leave it out",
-                    method.name()
-                ),
-            )),
-            None => Ok(()),
-        }
+        let Some((option, _)) = given.iter().find(|(_, is_given)| *is_given) else {
+            return Ok(());
+        };
+        let remedy = match package.find(Some(Method::ClusterTree), None) {
+            Some(_) => "add --method cluster-tree",
+            None => "bake with --method cluster-tree",
+        };
+        Err(CommandError::new(
+            Failure::Usage,
+            format!(
+                "{option}: only cluster-tree has a choice of it, and {} answers; {remedy}, or leave it out",
+                method.name()
+            ),
+        ))
     }
 
     /// Refuses, for `cluster-tree`, options of another method and a `roughness` that it does not answer for.

@@ -299,9 +299,17 @@ fn what_a_tree_does_not_answer_for_is_refused_with_what_it_does() {
 fn other_methods_answer_for_what_they_were_baked_for_alone() {
     let workshop = workshop();
     for (method, roughness, taker) in [
-        ("flake-bins", "--roughness=0.2", "add --method cluster-tree"),
-        ("lean", "--roughness=0.2", "add --method cluster-tree"),
-        ("specular-bins", "--bins=9", "add --method cluster-tree"),
+        (
+            "flake-bins",
+            "--roughness=0.2",
+            "bake with --method cluster-tree",
+        ),
+        ("lean", "--roughness=0.2", "bake with --method cluster-tree"),
+        (
+            "specular-bins",
+            "--bins=9",
+            "bake with --method cluster-tree",
+        ),
     ] {
         let method_option = format!("--method={method}");
         let bake = ["bake", "map.png", "-o=map.glint", &method_option, roughness];
@@ -366,7 +374,9 @@ fn options_of_other_methods_are_refused_with_the_method_that_takes_them() {
     has("finest-level=1", "keeps every texel", "lean");
     refuses(
         "--leaf-size=8",
-        &["--leaf-size 8: only a forest of flake-bins has leaves"],
+        &[
+            "--leaf-size 8: only a forest has leaves to choose; add --method flake-bins --index forest",
+        ],
     );
     refuses("--kernel=bin-average", &["beckmann or disk"]);
     // And with it they are taken.
@@ -407,6 +417,12 @@ fn of_several_methods_the_tree_serves_the_roughness_that_none_was_baked_for() {
         let (said, _) = query(&workshop, options);
         assert!(said.starts_with(answers), "{options:?}: {said}");
     }
+    let kernel = [&QUERY[..], &["--kernel=disk"]].concat();
+    workshop.refuses(
+        2,
+        &kernel,
+        &["flake-bins answers; add --method cluster-tree"],
+    );
     let both = ["--method=flake-bins", "--roughness=0.2"];
     workshop.refuses(
         6,
