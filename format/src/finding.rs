@@ -118,6 +118,12 @@ faults! {
     ClusterTexels = 3305, "the leaves of a tile do not hold each of its texels once";
     /// Moments of a leaf that are not those of its texels.
     ClusterMoments = 3306, "the mean normal of a leaf is not that of its texels";
+    /// A normal of a raster beyond the disk, or a number its lattice has not.
+    RasterRange = 3307, "a normal of the raster lies outside the unit disk";
+    /// A word of a raster beyond the map is not zero.
+    RasterUnused = 3308, "a word of the raster that lies beyond the map is not zero";
+    /// A normal of a raster that is not that of the tree.
+    RasterNormal = 3309, "a normal of the raster is not that of the leaf that holds the texel";
 
     /// The instance's numbers contradict themselves or this version.
     InstanceField = 4001, "an instance record has a value that this version does not allow";

@@ -4,8 +4,8 @@ use super::Limited;
 use crate::Container;
 use crate::finding::{Fault, Finding};
 use crate::model::{CLUSTER_CHILDREN, ClusterTile, TileShape};
-use crate::records::{ClusterNode, Instance, LeafKind};
-use crate::view::ClusterTree;
+use crate::records::{ClusterNode, Instance, LeafBits, LeafKind, RASTER_SIDE, unpack_raster};
+use crate::view::{ClusterTree, LeafTexel, Raster};
 
 /// Reports sections of the wrong size; boxes that are none or leave their tile; children and texels that should not be there;
 /// leaves that do not hold each texel of their tile once, or whose mean is not that of their texels.
@@ -17,6 +17,13 @@ pub(super) fn check(
     // Looked up as queries do, so that an instance without a tree to share is found.
     if let Err(finding) = ClusterTree::of_map(container, instance) {
         return report(finding);
+    }
+    let raster = match Raster::open(container, instance) {
+        Ok(raster) => raster,
+        Err(finding) => return report(finding),
+    };
+    if let Some(raster) = &raster {
+        check_raster(raster, report);
     }
     let tree = match ClusterTree::open(container, instance) {
         Ok(Some(tree)) => tree,
@@ -33,6 +40,7 @@ pub(super) fn check(
                 let tile = level.tile(column, row);
                 let mut checked = Tile {
                     tree: &tree,
+                    raster: raster.as_ref(),
                     tile: &tile,
                     has_leaves: number == 0,
                     unit: level.unit(),
@@ -51,6 +59,7 @@ pub(super) fn check(
 
 struct Tile<'t> {
     tree: &'t ClusterTree<'t>,
+    raster: Option<&'t Raster<'t>>,
     tile: &'t ClusterTile,
     has_leaves: bool,
     /// Texels to a unit of positions.
@@ -208,6 +217,9 @@ impl Tile<'_> {
                 Some(row) if x < self.tile.size[0] && y < self.tile.size[1] => *row |= 1 << x,
                 _ => report.report(self.at(Fault::ClusterBox, place)),
             }
+            if let Some(raster) = self.raster {
+                self.compare(raster, texel, leaf_slack(node, child, extent), report);
+            }
             sum = [sum[0] + texel.normal[0], sum[1] + texel.normal[1]];
         }
         if self.has_rest(leaf, kind, texels) {
@@ -231,6 +243,33 @@ impl Tile<'_> {
         }
     }
 
+    /// Checks that `raster` has the normal of `texel`, which its leaf rounds by `slack` at most.
+    fn compare(
+        &self,
+        raster: &Raster<'_>,
+        texel: LeafTexel,
+        slack: [f64; 2],
+        report: &mut Limited<'_>,
+    ) {
+        let [column, row] = self.tile.origin;
+        let [x, y] = texel.place;
+        let place = [column.saturating_add(x), row.saturating_add(y)];
+        let Ok(normal) = raster.normal(place[0], place[1]) else {
+            return;
+        };
+        let [_, step] = raster.lattice.offset_and_step();
+        let off = normal
+            .iter()
+            .zip(texel.normal)
+            .zip(slack)
+            .any(|((own, leaf), slack)| (own - leaf).abs() > 0.5 * step + slack + 1e-6);
+        if off {
+            let texel = u64::from(place[1]) * u64::from(raster.size[0]) + u64::from(place[0]);
+            let fault = Finding::new(Fault::RasterNormal).within(raster.id);
+            report.report(fault.at(texel));
+        }
+    }
+
     /// Whether the words of `leaf` beyond its texels are not zero.
     fn has_rest(&self, leaf: u64, kind: u8, texels: u32) -> bool {
         let Some(leaf) = self.tree.leaves.get(leaf as usize) else {
@@ -248,6 +287,56 @@ impl Tile<'_> {
             .skip(texels as usize)
             .any(|word| word.get() != 0)
     }
+}
+
+/// Reports normals of `raster` that lie outside the disk, and words beyond the map that are not zero.
+fn check_raster(raster: &Raster<'_>, report: &mut dyn FnMut(Finding)) {
+    let mut limited = Limited::new(report);
+    let [_, step] = raster.lattice.offset_and_step();
+    // A normal on the rim may be rounded beyond it, by half a step of either component.
+    let most = (1.0 + step) * (1.0 + step);
+    let mut place = 0;
+    for row in 0..raster.size[1].div_ceil(RASTER_SIDE) {
+        for column in 0..raster.columns {
+            let words = raster.blocks.get(place).map(|block| block.0);
+            for (number, word) in (0..).zip(words.into_iter().flatten()) {
+                let x = RASTER_SIDE * column + number % RASTER_SIDE;
+                let y = RASTER_SIDE * row + number / RASTER_SIDE;
+                let fault = if x >= raster.size[0] || y >= raster.size[1] {
+                    (word.get() != 0).then_some(Fault::RasterUnused)
+                } else {
+                    let numbers = unpack_raster(word.get());
+                    let [s, t] = numbers.map(|n| raster.lattice.component(n));
+                    let is_there = numbers.iter().all(|&n| raster.lattice.has(n));
+                    (!is_there || s * s + t * t > most).then_some(Fault::RasterRange)
+                };
+                if let Some(fault) = fault {
+                    limited.report(Finding::new(fault).within(raster.id).at(place as u64));
+                }
+            }
+            place += 1;
+        }
+    }
+}
+
+/// How far the texels of a leaf, child `child` of `node`, may be off what they were before rounding, in s and t; its box of
+/// normals runs over `extent`.
+fn leaf_slack(node: &ClusterNode, child: u32, extent: [f64; 2]) -> [f64; 2] {
+    let bytes = Child::of(node, child as usize);
+    let steps = match LeafKind::of(bytes.kind) {
+        Some(LeafKind::Palette) => return [0.0; 2],
+        kind => {
+            let side = |[first, last]: [u8; 2]| last.wrapping_sub(first);
+            let most = LeafBits::new(side(bytes.x), side(bytes.y)).most();
+            f64::from(most)
+                * if kind == Some(LeafKind::Wide) {
+                    16.0
+                } else {
+                    1.0
+                }
+        }
+    };
+    extent.map(|extent| 0.5 * extent / steps)
 }
 
 /// First bottom cluster, and number of them, of child `child` of a node that has `count` from `first`.

@@ -6,6 +6,7 @@ mod clusters;
 mod instance;
 mod masking;
 mod pyramid;
+mod raster;
 
 pub use bins::{BoxRecord, ExactNormal, ForestNode, TexelPosition};
 pub use blocks::{ListStart, PageRecord, TileRecord};
@@ -15,6 +16,7 @@ pub use clusters::{
 pub use instance::{Bins, IndexKind, Instance, InstanceRecord, InverseKind, Structure};
 pub use masking::MaskingValue;
 pub use pyramid::{NarrowMean, SpreadRecord, WideMean};
+pub use raster::{RASTER_SIDE, RasterBlock, RasterLattice, pack_raster, unpack_raster};
 
 use crate::section::FourCc;
 
@@ -65,6 +67,10 @@ pub const LEAVES: FourCc = FourCc(*b"LEAF");
 pub const FINE_BITS: FourCc = FourCc(*b"FINE");
 /// For each node of the finest tiles, the lines of finer bits before those of its leaves; absent as those.
 pub const FINE_STARTS: FourCc = FourCc(*b"FNDX");
+/// Every texel's normal in blocks of 4 × 4, two 16-bit numbers each, of which one stands for zero.
+pub const RASTER: FourCc = FourCc(*b"RAST");
+/// The same with zero halfway between two numbers.
+pub const HALF_RASTER: FourCc = FourCc(*b"RASH");
 
 /// The schema version of every section of this major version so far.
 pub const SCHEMA: u32 = 1;
@@ -94,6 +100,8 @@ const KINDS: &[(FourCc, &[u32])] = &[
     (LEAVES, &[64]),
     (FINE_BITS, &[16]),
     (FINE_STARTS, &[4]),
+    (RASTER, &[64]),
+    (HALF_RASTER, &[64]),
 ];
 
 /// The element sizes a section of `kind` may have, or `None` if this version does not know the kind.

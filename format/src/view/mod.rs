@@ -12,6 +12,7 @@ mod exact_normals;
 mod inverse_bin_map;
 mod masking;
 mod pyramid;
+mod raster;
 
 pub use bin_index::BinIndex;
 pub use bin_map::{BinMap, KeyLayout, Keys};
@@ -22,3 +23,4 @@ pub use exact_normals::ExactNormals;
 pub use inverse_bin_map::InverseBinMap;
 pub use masking::MaskingTable;
 pub use pyramid::{CellMoments, Means, Pyramid, PyramidLevel};
+pub use raster::Raster;
