@@ -53,6 +53,9 @@ pub struct MethodRecipe {
     pub kernel: Option<Kernel>,
     /// Whether exact normals are stored, 4 bytes a texel.
     pub exact_normals: bool,
+    /// Whether a cluster tree has a raster of normals beside it, 4 bytes a texel.
+    #[serde(skip_serializing_if = "is_false")]
+    pub raster_normals: bool,
     /// Whether the masking of the map's own normals is stored: 4 KB, once for all methods and roughnesses that ask.
     pub masking: bool,
 }
@@ -80,6 +83,7 @@ impl MethodRecipe {
             finest_level: None,
             kernel: None,
             exact_normals: false,
+            raster_normals: false,
             masking: true,
         }
     }
@@ -87,6 +91,14 @@ impl MethodRecipe {
     fn instance_count(&self) -> u64 {
         self.roughness.len().max(1) as u64
     }
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "the signature is serde's"
+)]
+fn is_false(value: &bool) -> bool {
+    !value
 }
 
 fn method_name<S: serde::Serializer>(method: &Method, serializer: S) -> Result<S::Ok, S::Error> {
@@ -172,20 +184,28 @@ impl Recipe {
     }
 
     /// About the most memory that a bake takes, in bytes a texel: 8 for the normals, 12 for each instance with bins (of
-    /// which about 7 stay until the package is written), 4 for exact normals, 20 for a pyramid and 24 for a
-    /// cluster tree, which instances share.
+    /// which about 7 stay until the package is written), 4 for exact normals, 4 for a raster of normals, 20 for a
+    /// pyramid and 24 for a cluster tree, which instances share.
     ///
     /// For planning only. White noise below a roughness of 0.001, with nearly a bin to each texel, takes half as much
     /// again; flakes take three quarters of it.
     pub fn bytes_per_texel(&self) -> u64 {
-        let exact = self.methods.iter().any(|method| method.exact_normals);
+        let stored = |is_asked: fn(&MethodRecipe) -> bool| {
+            if self.methods.iter().any(is_asked) {
+                4
+            } else {
+                0
+            }
+        };
         let structures = |method: &MethodRecipe| match method.method {
             Method::FlakeBins | Method::SpecularBins => 12 * method.instance_count(),
             Method::Lean => 20,
             Method::ClusterTree => 24,
         };
         let structures: u64 = self.methods.iter().map(structures).sum();
-        8 + structures + if exact { 4 } else { 0 }
+        8 + structures
+            + stored(|method| method.exact_normals)
+            + stored(|method| method.raster_normals)
     }
 
     /// The cache key: BLAKE3 of the recipe's canonical bytes, the inputs' hashes and the algorithm's version.

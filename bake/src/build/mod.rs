@@ -9,3 +9,4 @@ pub mod inverse_bin_map;
 pub mod masking;
 mod morton;
 pub mod pyramid;
+pub mod raster;

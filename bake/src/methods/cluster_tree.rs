@@ -1,14 +1,15 @@
 //! `cluster-tree`: moments of clusters in a tree over positions and normals, for every roughness.
 
 use super::{Bake, BakeMethod, bins, masking, roughness};
-use crate::build::cluster_tree;
+use crate::build::{cluster_tree, raster};
 use crate::error::BakeError;
 use crate::normals::NormalMap;
 use crate::progress::Stage;
 use crate::recipe::{DEFAULT_LEAF_SIZE, DEFAULT_ROUGHNESS, MethodRecipe};
 use glintbake_format::model::{Kernel, Method};
 use glintbake_format::records::{
-    FINE_BITS, FINE_STARTS, Instance, LEAVES, NODES, ROOTS, Structure,
+    FINE_BITS, FINE_STARTS, HALF_RASTER, Instance, LEAVES, NODES, RASTER, ROOTS, RasterLattice,
+    Structure,
 };
 
 pub(super) struct ClusterTree;
@@ -48,7 +49,7 @@ impl BakeMethod for ClusterTree {
             return refuse("--finest-level", level, "keeps every texel", Method::Lean);
         }
         if recipe.exact_normals {
-            let reason = "keeps every texel's own normal already";
+            let reason = "keeps every normal, and with --raster-normals in a raster too";
             return refuse("--exact-normals", String::new(), reason, Method::FlakeBins);
         }
         if let Some(kernel @ Kernel::BinAverage) = recipe.kernel {
@@ -96,6 +97,17 @@ impl BakeMethod for ClusterTree {
                     bake.plan.add(instance.section(FINE_BITS), tree.fine);
                     bake.plan
                         .add(instance.section(FINE_STARTS), tree.fine_starts);
+                }
+                if recipe.raster_normals {
+                    let (lattice, blocks) = raster::build(map);
+                    let kind = match lattice {
+                        RasterLattice::Whole => RASTER,
+                        RasterLattice::Half => HALF_RASTER,
+                    };
+                    bake.plan.add(instance.section(kind), blocks);
+                } else {
+                    let reason = "not asked for; --raster-normals adds it";
+                    bake.leave_out(&instance, "RAST", reason);
                 }
             } else {
                 let reason = "stored once, with the first roughness: the tree serves them all";

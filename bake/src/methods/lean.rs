@@ -50,6 +50,10 @@ impl BakeMethod for Lean {
             let reason = "keeps moments in place of normals";
             return refuse("--exact-normals", String::new(), reason);
         }
+        if recipe.raster_normals {
+            let reason = "keeps moments in place of normals";
+            return refuse("--raster-normals", String::new(), reason);
+        }
         roughness::check(recipe)
     }
 

@@ -70,6 +70,10 @@ pub struct BakeArgs {
     #[arg(long)]
     pub exact_normals: bool,
 
+    /// Store a raster of normals beside the tree of cluster-tree (4 bytes a texel), which small footprints are scanned in
+    #[arg(long)]
+    pub raster_normals: bool,
+
     /// Leave out the masking of the map's own normals (4 KB): the renderer brings its own
     #[arg(long)]
     pub no_masking: bool,
@@ -330,6 +334,7 @@ impl BakeArgs {
                     finest_level: self.finest_level.filter(|_| goes(&[Method::Lean])),
                     kernel: self.kernel.filter(|_| goes(&[Method::ClusterTree])),
                     exact_normals: self.exact_normals && goes(&[Method::FlakeBins]),
+                    raster_normals: self.raster_normals && goes(&[Method::ClusterTree]),
                     masking: !self.no_masking,
                 }
             })
