@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p glintbake-tests --bench cluster_tree`; after `--` any of: names of maps, `--sigmas 1,16` (sizes σ of
 //! footprints in texels), `--rough 0.005,0.08` (σr), `--filter gaussian`, `--kernel disk`, `--queries N`, `--eps E`,
-//! `--size 1024`, `--no-paper`.
+//! `--size 1024`, `--no-paper`, `--raster` (the tree also with a raster of normals beside it).
 //!
 //! Maps of 2048²; square footprints of edge 2σ at random angles and places, half vectors drawn from the footprint: the normal of
 //! a texel, moved by the kernel. Errors are against the exact scan, whose own are of single precision: relative L1 over a cell's
@@ -47,6 +47,7 @@ struct Choice {
     eps: f64,
     size: u32,
     paper: bool,
+    raster: bool,
 }
 
 fn numbers(text: &str) -> Vec<f64> {
@@ -66,6 +67,7 @@ fn choice() -> Choice {
         eps: Accuracy::DEFAULT,
         size: 2048,
         paper: true,
+        raster: false,
     };
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
@@ -92,6 +94,7 @@ fn choice() -> Choice {
             "--eps" => choice.eps = value().parse().expect("a number"),
             "--size" => choice.size = value().parse().expect("a number"),
             "--no-paper" => choice.paper = false,
+            "--raster" => choice.raster = true,
             name => choice.maps.push(name.to_owned()),
         }
     }
@@ -101,17 +104,19 @@ fn choice() -> Choice {
 fn main() {
     let choice = choice();
     println!(
-        "{:<10} {:>7} {:>7} {:>9} {:>9} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8}",
+        "{:<10} {:>7} {:>7} {:>9} {:>9} {:>9} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}",
         "map",
         "σr",
         "σ",
         "tree µs",
+        "raster µs",
         "paper µs",
         "scan µs",
         "paper/",
         "scan/",
         "L1 %",
         "worst %",
+        "raster L1",
         "paper L1"
     );
     let mut ratios = Vec::new();
@@ -140,13 +145,16 @@ fn contest(name: &str, kind: Kind, choice: &Choice, ratios: &mut Vec<f64>) {
     let map = NormalMap::new(choice.size, choice.size, Wrap::Repeat, sample.normals);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
     let pool = pool.build().expect("one thread can be had");
-    let recipe = Recipe::new(vec![MethodRecipe {
-        masking: false,
-        ..MethodRecipe::new(Method::ClusterTree, &[0.01])
-    }]);
+    let recipe = |raster_normals| {
+        Recipe::new(vec![MethodRecipe {
+            masking: false,
+            raster_normals,
+            ..MethodRecipe::new(Method::ClusterTree, &[0.01])
+        }])
+    };
     let start = Instant::now();
     let plan = pool
-        .install(|| bake(&map, &recipe, None))
+        .install(|| bake(&map, &recipe(false), None))
         .expect("in range");
     let seconds = start.elapsed().as_secs_f64();
     let bytes = plan.to_bytes();
@@ -154,22 +162,20 @@ fn contest(name: &str, kind: Kind, choice: &Choice, ratios: &mut Vec<f64>) {
         "{name}: {:.2} bytes a texel, built in {seconds:.2} s on one thread",
         bytes.len() as f64 / map.texels().len() as f64
     );
-    let package = Package::open(&bytes).expect("a fresh package opens");
-    let SurfaceNdf::ClusterTree(ndf) = package.ndf(1).expect("it has one instance") else {
-        unreachable!("baked for cluster-tree");
-    };
+    let with_raster = choice.raster.then(|| {
+        let plan = bake(&map, &recipe(true), None).expect("in range");
+        plan.to_bytes()
+    });
+    let ndf = open(&bytes);
+    let beside = with_raster.as_deref().map(open);
     let scan = ExactScan::new(&map);
     for &sigma in &choice.rough {
         let alpha = beckmann_from_intrinsic(sigma);
         let grid = BinGrid::new(Binning::DiskGrid, disk_grid_resolution(alpha)).expect("in range");
         let forest = (choice.paper && choice.filter == Filter::Box)
             .then(|| PaperForest::new(&map, grid, LEAF_SIZE));
-        let ndf = ndf
-            .with_roughness(alpha)
-            .and_then(|ndf| ndf.with_kernel(choice.kernel))
-            .expect("in range")
-            .with_filter(choice.filter)
-            .with_accuracy(Accuracy::Fast(choice.eps));
+        let ndf = asked(ndf, choice, alpha);
+        let beside = beside.map(|ndf| asked(ndf, choice, alpha));
         for &size in &choice.sigmas {
             cell(
                 name,
@@ -178,12 +184,31 @@ fn contest(name: &str, kind: Kind, choice: &Choice, ratios: &mut Vec<f64>) {
                 size,
                 choice,
                 &ndf,
+                beside.as_ref(),
                 &scan,
                 forest.as_ref(),
                 grid,
                 ratios,
             );
         }
+    }
+}
+
+/// `ndf` as `choice` asks for it.
+fn asked<'a>(ndf: ClusterTree<'a>, choice: &Choice, alpha: f64) -> ClusterTree<'a> {
+    ndf.with_roughness(alpha)
+        .and_then(|ndf| ndf.with_kernel(choice.kernel))
+        .expect("in range")
+        .with_filter(choice.filter)
+        .with_accuracy(Accuracy::Fast(choice.eps))
+}
+
+/// The tree of `bytes`.
+fn open(bytes: &[u8]) -> ClusterTree<'_> {
+    let package = Package::open(bytes).expect("a fresh package opens");
+    match package.ndf(1).expect("it has one instance") {
+        SurfaceNdf::ClusterTree(ndf) => ndf,
+        other => unreachable!("baked for cluster-tree: {other:?}"),
     }
 }
 
@@ -198,6 +223,7 @@ fn cell(
     size: f64,
     choice: &Choice,
     ndf: &ClusterTree<'_>,
+    beside: Option<&ClusterTree<'_>>,
     scan: &ExactScan,
     forest: Option<&PaperForest>,
     grid: BinGrid,
@@ -214,11 +240,11 @@ fn cell(
         .map(|_| query(map, 2.0 * size, sigma, &mut stream))
         .collect();
     let mut lookup = forest.map(|forest| PaperLookup::new(forest, Traversal::Together));
-    let mut times = [const { Vec::new() }; 3];
-    let mut answers = [const { Vec::new() }; 3];
+    let mut times = [const { Vec::new() }; 4];
+    let mut answers = [const { Vec::new() }; 4];
     for round in 0..ROUNDS {
-        for turn in 0..3 {
-            let who = (turn + round) % 3;
+        for turn in 0..4 {
+            let who = (turn + round) % 4;
             let start = Instant::now();
             let densities: Vec<f64> = match (who, &mut lookup) {
                 (0, _) => queries
@@ -235,21 +261,33 @@ fn cell(
                         black_box(scan.eval(footprint, *h, choice.filter, choice.kernel, alpha))
                     })
                     .collect(),
+                (3, _) => beside.map_or(Vec::new(), |ndf| {
+                    let all = queries.iter();
+                    all.map(|(footprint, h)| black_box(ndf.eval(footprint, *h).expect("in range")))
+                        .collect()
+                }),
                 _ => Vec::new(),
             };
             times[who].push(start.elapsed().as_secs_f64() * 1e6 / count as f64);
             answers[who] = densities;
         }
     }
-    let [tree_us, paper_us, scan_us] = times.map(|mut times: Vec<f64>| {
+    let [tree_us, paper_us, scan_us, raster_us] = times.map(|mut times: Vec<f64>| {
         times.sort_by(f64::total_cmp);
         times[times.len() / 2]
     });
-    let [tree, paper, truth] = &answers;
+    let [tree, paper, truth, raster] = &answers;
     let greatest = truth.iter().copied().fold(0.0, f64::max);
     let l1 = |answers: &[f64]| {
         let off: f64 = answers.iter().zip(truth).map(|(a, b)| (a - b).abs()).sum();
         100.0 * off / truth.iter().sum::<f64>()
+    };
+    let l1_if_there = |answers: &[f64]| {
+        if answers.is_empty() {
+            f64::NAN
+        } else {
+            l1(answers)
+        }
     };
     let worst = tree
         .iter()
@@ -260,15 +298,12 @@ fn cell(
         ratios.push(paper_us / tree_us);
     }
     println!(
-        "{name:<10} {sigma:>7} {size:>7} {tree_us:>9.2} {paper_us:>9.2} {scan_us:>9.2} {:>8.2} {:>8.2} {:>8.3} {worst:>8.3} {:>8.1}",
+        "{name:<10} {sigma:>7} {size:>7} {tree_us:>9.2} {raster_us:>9.2} {paper_us:>9.2} {scan_us:>9.2} {:>8.2} {:>8.2} {:>8.3} {worst:>8.3} {:>8.3} {:>8.1}",
         paper_us / tree_us,
         scan_us / tree_us,
         l1(tree),
-        if paper.is_empty() {
-            f64::NAN
-        } else {
-            l1(paper)
-        }
+        l1_if_there(raster),
+        l1_if_there(paper)
     );
 }
 

@@ -9,7 +9,7 @@ use crate::overlap::{GaussianFootprint, Parallelogram, TexelBox};
 use glintbake_format::view::ClusterTree;
 
 /// Calls `visit` with each texel of the border whose endless part `bounds` reaches, and that part.
-fn for_each_border_texel(
+pub(super) fn for_each_border_texel(
     tree: &ClusterTree<'_>,
     bounds: &TexelBox,
     visit: &mut dyn FnMut([u32; 2], TexelBox) -> Result<(), QueryError>,

@@ -19,6 +19,7 @@ mod cover;
 mod find;
 mod lanes;
 mod lobe;
+mod raster;
 mod region;
 mod strict;
 mod walk;
@@ -40,7 +41,7 @@ use glintbake_format::model::{
     Filter, Footprint, HalfVector, Kernel, Wrap, intrinsic_from_beckmann,
 };
 use glintbake_format::records::Instance;
-use glintbake_format::view::ClusterTree as Tree;
+use glintbake_format::view::{ClusterTree as Tree, Raster};
 use glintbake_format::{Container, Fault, Finding};
 use lanes::{LANES, Lanes};
 use lobe::{Beckmann, Disk, Lobe, NarrowBeckmann};
@@ -61,6 +62,7 @@ const LEAST_EPS: f64 = 1e-8;
 pub struct ClusterTree<'a> {
     instance: Instance,
     tree: Tree<'a>,
+    raster: Option<Raster<'a>>,
     masking: Masking<'a>,
     kernel: Kernel,
     /// Beckmann's α.
@@ -85,6 +87,7 @@ impl<'a> ClusterTree<'a> {
         Ok(Self {
             instance: *instance,
             tree: Tree::of_map(container, instance)?,
+            raster: Raster::of_map(container, instance)?,
             masking: Masking::of_map(container, instance)?,
             kernel: instance.kernel(),
             roughness,
@@ -163,6 +166,30 @@ impl<'a> ClusterTree<'a> {
         self.accuracy
     }
 
+    /// The raster, if there is one and its rounding is within the error asked for.
+    fn raster(&self) -> Option<&Raster<'a>> {
+        let sigma = intrinsic_from_beckmann(self.roughness);
+        self.raster
+            .as_ref()
+            .filter(|raster| raster::is_fine_enough(raster, sigma, self.accuracy.eps()))
+    }
+
+    /// Whether a footprint is small enough to be scanned, if there is a raster.
+    fn is_scanned(&self, footprint: &Footprint) -> Result<bool, QueryError> {
+        let (shape, sigma) = (self.shape(), intrinsic_from_beckmann(self.roughness));
+        let (width, height) = (shape.width, shape.height);
+        Ok(match self.filter {
+            Filter::Box => {
+                let placed = Parallelogram::new(footprint, width, height, shape.wrap)?;
+                raster::serves_box(shape, &placed, sigma)
+            }
+            Filter::Gaussian => {
+                let placed = GaussianFootprint::new(footprint, width, height, shape.wrap)?;
+                raster::serves_gaussian(shape, &placed, sigma)
+            }
+        })
+    }
+
     fn shape(&self) -> MapShape {
         MapShape {
             width: self.instance.width,
@@ -177,6 +204,7 @@ impl<'a> ClusterTree<'a> {
         footprint: &Footprint,
         half_vector: HalfVector,
         knobs: Knobs,
+        raster: Option<&Raster<'a>>,
         sink: S,
     ) -> Result<S, QueryError> {
         let knobs = match self.filter {
@@ -193,18 +221,22 @@ impl<'a> ClusterTree<'a> {
             scale: 1.0 / sigma,
         };
         match self.kernel {
-            Kernel::Disk => self.under(footprint, half_vector, centre, Disk, knobs, sink),
+            Kernel::Disk => self.under(footprint, half_vector, centre, Disk, knobs, raster, sink),
             Kernel::Beckmann | Kernel::BinAverage => {
                 let limit = knobs.limits.exponent;
                 if let Some(lobe) = NarrowBeckmann::new(half_vector, sigma, limit) {
-                    return self.under(footprint, half_vector, centre, lobe, knobs, sink);
+                    return self.under(footprint, half_vector, centre, lobe, knobs, raster, sink);
                 }
                 let lobe = Beckmann::new(half_vector, sigma);
-                self.under(footprint, half_vector, centre, lobe, knobs, sink)
+                self.under(footprint, half_vector, centre, lobe, knobs, raster, sink)
             }
         }
     }
 
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "what a query is made of, and what may answer it"
+    )]
     fn under<L: Lobe, S: Sink>(
         &self,
         footprint: &Footprint,
@@ -212,14 +244,22 @@ impl<'a> ClusterTree<'a> {
         centre: Centre,
         lobe: L,
         knobs: Knobs,
+        raster: Option<&Raster<'a>>,
         sink: S,
     ) -> Result<S, QueryError> {
         let (shape, tree, instructions) = (self.shape(), &self.tree, self.instructions);
+        let sigma = 1.0 / centre.scale;
         match self.filter {
             Filter::Box => {
                 let placed = Parallelogram::new(footprint, shape.width, shape.height, shape.wrap)?;
                 if !half_vector.is_on_disk() {
                     return Ok(sink);
+                }
+                if let Some(raster) = raster
+                    && raster::serves_box(shape, &placed, sigma)
+                {
+                    let query = raster::Query::new(raster, tree, shape, centre, lobe, knobs);
+                    return raster::under_box(&query, &placed, sink);
                 }
                 let outline = Outline::new(&placed);
                 let region = BoxRegion::new(&placed, outline.as_ref(), S::STRICT, knobs.blur);
@@ -236,6 +276,12 @@ impl<'a> ClusterTree<'a> {
                     GaussianFootprint::new(footprint, shape.width, shape.height, shape.wrap)?;
                 if !half_vector.is_on_disk() {
                     return Ok(sink);
+                }
+                if let Some(raster) = raster
+                    && raster::serves_gaussian(shape, &placed, sigma)
+                {
+                    let query = raster::Query::new(raster, tree, shape, centre, lobe, knobs);
+                    return raster::under_gaussian(&query, &placed, sink);
                 }
                 let region = GaussianRegion::new(&placed, knobs.weight);
                 let mut walk = Walk::new(tree, region, lobe, centre, knobs.limits, instructions, sink);
@@ -276,6 +322,27 @@ impl<'a> ClusterTree<'a> {
             return Err(QueryError::KernelUnsupported(self.instance.method));
         }
         check_finite(half_vector)?;
+        let scanned = match self.accuracy {
+            Accuracy::Fast(_) => self.raster(),
+            Accuracy::Strict(_) => self.raster.as_ref(),
+        };
+        if let Some(raster) = scanned
+            && self.is_scanned(footprint)?
+        {
+            // Texels that are read anyway may as well count.
+            let knobs = match self.accuracy {
+                Accuracy::Fast(eps) => Knobs::of(eps, self.filter),
+                Accuracy::Strict(_) => Knobs::finest(),
+            };
+            let sink = strict::Strict::new();
+            let sum = self.sum(footprint, half_vector, knobs, Some(raster), sink)?;
+            let bounded = sum.finish(self, knobs, half_vector);
+            match self.accuracy {
+                // Rounding of the raster may be too much of a narrow lobe; the tree's leaves round less.
+                Accuracy::Strict(wanted) if bounded.bound > wanted * bounded.density => {}
+                _ => return Ok(bounded),
+            }
+        }
         let mut eps = self.accuracy.eps();
         loop {
             let is_finest = eps < LEAST_EPS;
@@ -285,7 +352,7 @@ impl<'a> ClusterTree<'a> {
                 Knobs::of(eps, self.filter)
             };
             let sink = strict::Strict::new();
-            let sum = self.sum(footprint, half_vector, knobs, sink)?;
+            let sum = self.sum(footprint, half_vector, knobs, None, sink)?;
             let bounded = sum.finish(self, knobs, half_vector);
             match self.accuracy {
                 Accuracy::Strict(wanted)
@@ -314,7 +381,7 @@ impl<'a> ClusterTree<'a> {
             peak: self.peak(),
             unit: 1.0,
         };
-        self.sum(footprint, half_vector, knobs, sink)?;
+        self.sum(footprint, half_vector, knobs, self.raster(), sink)?;
         Ok(())
     }
 
@@ -470,7 +537,7 @@ impl Ndf for ClusterTree<'_> {
         }
         check_finite(half_vector)?;
         let knobs = Knobs::of(self.accuracy.eps(), self.filter);
-        let sum = self.sum(footprint, half_vector, knobs, Sum::NONE)?;
+        let sum = self.sum(footprint, half_vector, knobs, self.raster(), Sum::NONE)?;
         Ok(sum.total * self.peak())
     }
 
@@ -481,7 +548,10 @@ impl Ndf for ClusterTree<'_> {
     ) -> Result<Option<HalfVector>, QueryError> {
         let [first, second, third, fourth] = uniform;
         let (column, row) = self.texel_under(footprint, [first, second])?;
-        let [s, t] = find::normal(&self.tree, column, row)?;
+        let [s, t] = match self.raster() {
+            Some(raster) => raster.normal(column, row)?,
+            None => find::normal(&self.tree, column, row)?,
+        };
         let normal = HalfVector { s, t };
         let drawn = match self.kernel {
             Kernel::Disk => {
@@ -514,7 +584,7 @@ impl Ndf for ClusterTree<'_> {
         let knobs = Knobs::of(self.accuracy.eps(), self.filter).reaching(PDF_REACH);
         if self.kernel == Kernel::Disk {
             let [.., cosine] = direction;
-            let sum = self.sum(footprint, half_vector, knobs, Sum::NONE)?;
+            let sum = self.sum(footprint, half_vector, knobs, self.raster(), Sum::NONE)?;
             return Ok(sum.total * self.peak() * cosine);
         }
         let mut sum = 0.0;

@@ -1,0 +1,391 @@
+//! Small footprints by the raster of normals: every texel under them, sixteen at a time.
+//!
+//! What a tree has to descend to, a raster has at hand: a block of 4 × 4 texels is one cache line, and a box of 2 × 2 texels meets
+//! two or three of them. Weights are exact areas in closed form ([`areas`]), or a Gaussian's values; terms are those of the
+//! kernel, sixteen at once. Blocks whose normals are all too far from the half vector are not weighed.
+
+mod areas;
+mod block;
+mod weigh;
+
+use super::accuracy::Knobs;
+use super::lanes::{self, LANES, Lanes, Texels};
+use super::lobe::Lobe;
+use super::walk::{Centre, Sink};
+use crate::error::QueryError;
+use crate::fetch::fetch;
+use crate::overlap::{GaussianFootprint, Outline, Parallelogram, TexelBox};
+use crate::scan::MapShape;
+use crate::simd::{Instructions, Work};
+use areas::{Areas, Place};
+use block::{Frame, distances, terms};
+use core::ops::Range;
+use glintbake_format::Fault;
+use glintbake_format::Finding;
+use glintbake_format::model::Wrap;
+use glintbake_format::records::RASTER_SIDE;
+use glintbake_format::view::{ClusterTree, Raster};
+use weigh::{AnyBox, Block, NarrowGaussian, SmoothGaussian, Weigh, WideBox};
+
+const SIDE: i64 = RASTER_SIDE as i64;
+
+/// The exponent beyond which terms are nothing: those of normals in a block that is summed anyway.
+const LEAST_TERM: f32 = 40.0;
+
+/// What a raster's rounding adds to the relative L1 error, in steps over σr: the mean distance a step moves a normal by, times
+/// the mean slope of the kernel.
+const ROUNDING: f64 = 0.32;
+
+/// Blocks of a footprint that are asked for before any is looked at.
+const FETCHED: i64 = 32;
+
+/// Everything of a query but its footprint.
+pub(super) struct Query<'q, 'a, L> {
+    pub raster: &'q Raster<'a>,
+    /// Of the same map.
+    pub tree: &'q ClusterTree<'a>,
+    pub shape: MapShape,
+    pub centre: Centre,
+    pub lobe: L,
+    /// Terms of e^-this and less may be left out.
+    pub limit: f32,
+}
+
+impl<'q, 'a, L: Lobe> Query<'q, 'a, L> {
+    pub fn new(
+        raster: &'q Raster<'a>,
+        tree: &'q ClusterTree<'a>,
+        shape: MapShape,
+        centre: Centre,
+        lobe: L,
+        knobs: Knobs,
+    ) -> Self {
+        Self {
+            raster,
+            tree,
+            shape,
+            centre,
+            lobe,
+            limit: knobs.limits.exponent,
+        }
+    }
+}
+
+/// Whether a raster's normals are near enough for a kernel of deviation `sigma` and the relative L1 error `eps`.
+pub(super) fn is_fine_enough(raster: &Raster<'_>, sigma: f64, eps: f64) -> bool {
+    let [_, step] = raster.lattice.offset_and_step();
+    ROUNDING * step <= eps * sigma
+}
+
+/// The most texels under a box that are scanned.
+fn most_texels(sigma: f64) -> f64 {
+    let _ = sigma;
+    1e9
+}
+
+/// Whether a footprint of about `texels` texels within `bounds` is scanned rather than looked for in the tree.
+#[inline]
+fn serves(shape: MapShape, bounds: &TexelBox, texels: f64, sigma: f64) -> bool {
+    let [width, height] = [f64::from(shape.width), f64::from(shape.height)];
+    texels <= most_texels(sigma)
+        && (shape.wrap == Wrap::Clamp
+            || (bounds.high[0] - bounds.low[0] <= width
+                && bounds.high[1] - bounds.low[1] <= height))
+}
+
+/// Whether `footprint` is scanned, for a kernel of deviation `sigma`.
+#[inline]
+pub(super) fn serves_box(shape: MapShape, footprint: &Parallelogram, sigma: f64) -> bool {
+    serves(shape, &footprint.bounds(), footprint.area(), sigma)
+}
+
+/// Whether the Gaussian `footprint` is scanned, for a kernel of deviation `sigma`.
+#[inline]
+pub(super) fn serves_gaussian(shape: MapShape, footprint: &GaussianFootprint, sigma: f64) -> bool {
+    let texels = footprint.support_texels();
+    serves(shape, &footprint.bounds(), texels, sigma)
+}
+
+/// Hands `sink` the texels under `footprint`.
+pub(super) fn under_box<L: Lobe, S: Sink>(
+    query: &Query<'_, '_, L>,
+    footprint: &Parallelogram,
+    mut sink: S,
+) -> Result<S, QueryError> {
+    // Bounds of errors count exact weights.
+    let areas = if S::STRICT {
+        None
+    } else {
+        Areas::new(footprint)
+    };
+    let bounds = footprint.bounds();
+    let centre = footprint.centred(0.0, 0.0);
+    sink = match areas {
+        Some(areas) => {
+            let unit = footprint.texel_weight();
+            Instructions::Fastest.run(Scan {
+                query,
+                bounds: &bounds,
+                origin: centre,
+                weigh: WideBox { areas, unit },
+                sink,
+            })
+        }
+        None => Instructions::Fastest.run(Scan {
+            query,
+            bounds: &bounds,
+            origin: centre,
+            weigh: AnyBox {
+                footprint,
+                outline: Outline::new(footprint),
+            },
+            sink,
+        }),
+    }?;
+    if query.shape.wrap == Wrap::Clamp && !query.shape.holds(footprint) {
+        super::border::for_each_border_texel(query.tree, &bounds, &mut |texel, part| {
+            query.border_texel(texel, footprint.weight(&part), &mut sink)
+        })?;
+    }
+    Ok(sink)
+}
+
+/// Hands `sink` the texels under the Gaussian `footprint`.
+pub(super) fn under_gaussian<L: Lobe, S: Sink>(
+    query: &Query<'_, '_, L>,
+    footprint: &GaussianFootprint,
+    mut sink: S,
+) -> Result<S, QueryError> {
+    let bounds = footprint.bounds();
+    let centre = footprint.centred(0.0, 0.0);
+    sink = if footprint.is_smooth() {
+        Instructions::Fastest.run(Scan {
+            query,
+            bounds: &bounds,
+            origin: centre,
+            weigh: SmoothGaussian::new(footprint, query.limit),
+            sink,
+        })
+    } else {
+        // Whole texels that meet the ellipse count.
+        let bounds = TexelBox {
+            low: bounds.low.map(|x| x - 1.0),
+            high: bounds.high.map(|x| x + 1.0),
+        };
+        Instructions::Fastest.run(Scan {
+            query,
+            bounds: &bounds,
+            origin: centre,
+            weigh: NarrowGaussian { footprint },
+            sink,
+        })
+    }?;
+    if query.shape.wrap == Wrap::Clamp {
+        let rectangles = footprint.rectangles();
+        super::border::for_each_border_texel(query.tree, &bounds, &mut |texel, part| {
+            let [low, high] = [part.low, part.high].map(|[x, y]| footprint.centred(x, y));
+            let weight = rectangles.share([low[0], high[0]], [low[1], high[1]]);
+            query.border_texel(texel, weight, &mut sink)
+        })?;
+    }
+    Ok(sink)
+}
+
+impl<L: Lobe> Query<'_, '_, L> {
+    /// Adds `texel` of the border, whose endless part weighs `weight`.
+    fn border_texel<S: Sink>(
+        &self,
+        [column, row]: [u32; 2],
+        weight: f64,
+        sink: &mut S,
+    ) -> Result<(), QueryError> {
+        if weight <= 0.0 {
+            return Ok(());
+        }
+        let normal = self.raster.normal(column, row)?;
+        let Centre { point, scale } = self.centre;
+        let offset = [
+            (normal[0] - point[0]) * scale,
+            (normal[1] - point[1]) * scale,
+        ];
+        let [s, t] = offset.map(|x| x as f32);
+        let (exponents, factors) = self.lobe.exponents(&[s; LANES], &[t; LANES]);
+        let exponent = lanes::get(&exponents, 0);
+        let term = lanes::get(&factors, 0) * lanes::exponential(-exponent);
+        if S::STRICT {
+            let [_, step] = self.raster.lattice.offset_and_step();
+            // In no unit but its own.
+            sink.unit(1.0);
+            let distance = 0.5 * (s * s + t * t);
+            sink.error(weight as f32 * rounding_error((step * scale) as f32, distance));
+        }
+        if exponent <= LEAST_TERM {
+            sink.exact(f64::from(term) * weight, weight, offset);
+        }
+        Ok(())
+    }
+}
+
+/// How far a term whose normal is half a step off in s and in t, of `step` in units of σr, can be from the true one, if normals
+/// are at least `exponent` away.
+fn rounding_error(step: f32, exponent: f32) -> f32 {
+    let near = lanes::max(2.0 * exponent, 0.0);
+    let distance = near * lanes::inverse_root(lanes::max(near, 1e-30));
+    let inner = lanes::max(distance - step, 0.0);
+    // Steepest at a distance of 1.
+    let steepest = lanes::max(inner, 1.0);
+    1.00001 * step * steepest * lanes::exponential(-0.5 * steepest * steepest)
+}
+
+/// A scan of the blocks in a box.
+struct Scan<'s, 'q, 'a, L, W, S> {
+    query: &'s Query<'q, 'a, L>,
+    bounds: &'s TexelBox,
+    /// Where texel (0, 0) lies relative to the footprint's centre.
+    origin: [f64; 2],
+    weigh: W,
+    sink: S,
+}
+
+/// The greatest integer not above `value`, a coordinate of less than 2⁵³.
+#[inline(always)]
+fn floor(value: f64) -> i64 {
+    let truncated = value as i64;
+    truncated - i64::from(value < truncated as f64)
+}
+
+impl<L: Lobe, W: Weigh, S: Sink> Work for Scan<'_, '_, '_, L, W, S> {
+    type Output = Result<S, QueryError>;
+
+    #[inline(always)]
+    fn run(mut self) -> Self::Output {
+        let query = self.query;
+        let size = [i64::from(query.shape.width), i64::from(query.shape.height)];
+        let frame = Frame::new(query.raster.lattice, query.centre);
+        self.sink.unit(self.weigh.unit());
+        let TexelBox { low, high } = *self.bounds;
+        let reach = [
+            floor(low[0])..floor(high[0]) + 1,
+            floor(low[1])..floor(high[1]) + 1,
+        ];
+        // Copies of the map that are met, of which there are few.
+        let clamp = query.shape.wrap == Wrap::Clamp;
+        let copies = |axis: &Range<i64>, size: i64| {
+            if clamp || (axis.start >= 0 && axis.end <= size) {
+                0..1
+            } else {
+                axis.start.div_euclid(size)..(axis.end - 1).div_euclid(size) + 1
+            }
+        };
+        let [columns, rows] = [copies(&reach[0], size[0]), copies(&reach[1], size[1])];
+        for row in rows {
+            for column in columns.clone() {
+                let copy = [column * size[0], row * size[1]];
+                self.copy(&frame, &reach, copy, size)?;
+            }
+        }
+        Ok(self.sink)
+    }
+}
+
+impl<L: Lobe, W: Weigh, S: Sink> Scan<'_, '_, '_, L, W, S> {
+    /// Scans what of `reach` lies in the copy of the map that begins at texel `copy`.
+    #[inline(always)]
+    fn copy(
+        &mut self,
+        frame: &Frame,
+        [reach_x, reach_y]: &[Range<i64>; 2],
+        copy: [i64; 2],
+        size: [i64; 2],
+    ) -> Result<(), QueryError> {
+        let raster = self.query.raster;
+        let blocks = |reach: &Range<i64>, copy: i64, size: i64| {
+            let (first, end) = ((reach.start - copy).max(0), (reach.end - copy).min(size));
+            if first < end {
+                first / SIDE..(end - 1) / SIDE + 1
+            } else {
+                0..0
+            }
+        };
+        let columns = blocks(reach_x, copy[0], size[0]);
+        let rows = blocks(reach_y, copy[1], size[1]);
+        if (columns.end - columns.start) * (rows.end - rows.start) <= FETCHED {
+            for row in rows.clone() {
+                for column in columns.clone() {
+                    fetch(raster.blocks, raster.place(column as u32, row as u32));
+                }
+            }
+        }
+        for row in rows {
+            for column in columns.clone() {
+                let within = [SIDE * column, SIDE * row];
+                let texel = [copy[0] + within[0], copy[1] + within[1]];
+                let block = Block {
+                    texel,
+                    corner: [
+                        (self.origin[0] + texel[0] as f64) as f32,
+                        (self.origin[1] + texel[1] as f64) as f32,
+                    ],
+                    room: [(size[0] - within[0]) as f32, (size[1] - within[1]) as f32],
+                };
+                let place = raster.place(column as u32, row as u32);
+                self.block(frame, &block, place)?;
+            }
+            self.sink.flush();
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn block(&mut self, frame: &Frame, block: &Block, place: usize) -> Result<(), QueryError> {
+        let Query { raster, lobe, .. } = self.query;
+        if self.weigh.place(block, 0.0) == Place::Outside {
+            return Ok(());
+        }
+        let damaged = Finding::new(Fault::SectionCount).within(raster.id);
+        let record = raster.blocks.get(place).ok_or(damaged)?;
+        let normals = frame.normals(record);
+        let least = lanes::least(&distances(&normals));
+        if S::STRICT {
+            self.count_errors(frame, block, least);
+        }
+        if least > self.query.limit {
+            return Ok(());
+        }
+        let relation = self.weigh.place(block, least);
+        if relation == Place::Outside {
+            return Ok(());
+        }
+        let [s, t] = normals;
+        let (exponents, factors) = lobe.exponents(&s, &t);
+        let weights = if relation == Place::Inside && block.is_whole() {
+            [1.0; LANES]
+        } else {
+            self.weigh.weights(block)
+        };
+        let terms: Lanes = terms(&exponents, &factors, &weights);
+        let texels = Texels {
+            x: [0.0; LANES],
+            y: [0.0; LANES],
+            s,
+            t,
+        };
+        self.sink.texels(&terms, &weights, &texels);
+        Ok(())
+    }
+
+    /// Adds to the error what rounding of normals, or leaving out all of a block, can have changed.
+    fn count_errors(&mut self, frame: &Frame, block: &Block, least: f32) {
+        let weights = self.weigh.weights(block);
+        let weight: f32 = weights.iter().sum();
+        let most = lanes::exponential(-least);
+        let off = if least > self.query.limit {
+            most
+        } else {
+            // The tail that lies between the limits of normals alone, and of normals and weights together.
+            let tail = lanes::exponential(-self.query.limit);
+            rounding_error(frame.step, least) + tail
+        };
+        self.sink.error(1.00001 * weight * off);
+    }
+}
