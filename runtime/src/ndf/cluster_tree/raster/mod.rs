@@ -13,17 +13,17 @@ use super::lanes::{self, LANES, Lanes, Texels};
 use super::lobe::Lobe;
 use super::walk::{Centre, Sink};
 use crate::error::QueryError;
-use crate::fetch::fetch;
 use crate::overlap::{GaussianFootprint, Outline, Parallelogram, TexelBox};
 use crate::scan::MapShape;
 use crate::simd::{Instructions, Work};
 use areas::{Areas, Place};
 use block::{Frame, distances, terms};
+use core::hint::black_box;
 use core::ops::Range;
 use glintbake_format::Fault;
 use glintbake_format::Finding;
 use glintbake_format::model::Wrap;
-use glintbake_format::records::RASTER_SIDE;
+use glintbake_format::records::{RASTER_SIDE, RasterBlock};
 use glintbake_format::view::{ClusterTree, Raster};
 use weigh::{AnyBox, Block, NarrowGaussian, SmoothGaussian, Weigh, WideBox};
 
@@ -36,8 +36,8 @@ const LEAST_TERM: f32 = 40.0;
 /// the mean slope of the kernel.
 const ROUNDING: f64 = 0.32;
 
-/// Blocks of a footprint that are asked for before any is looked at.
-const FETCHED: i64 = 32;
+/// Texels in the bounding box of a footprint whose blocks are asked for before any is looked at.
+const FETCHED: i64 = 256;
 
 /// Everything of a query but its footprint.
 pub(super) struct Query<'q, 'a, L> {
@@ -77,10 +77,10 @@ pub(super) fn is_fine_enough(raster: &Raster<'_>, sigma: f64, eps: f64) -> bool 
     ROUNDING * step <= eps * sigma
 }
 
-/// The most texels under a box that are scanned.
+/// The most texels that are scanned: about as many as take as long by the tree, which gets by with the fewer the narrower the
+/// kernel is. Measured, see docs/cluster-tree.md.
 fn most_texels(sigma: f64) -> f64 {
-    let _ = sigma;
-    1e9
+    (8e4 * sigma).clamp(256.0, 8192.0)
 }
 
 /// Whether a footprint of about `texels` texels within `bounds` is scanned rather than looked for in the tree.
@@ -112,36 +112,12 @@ pub(super) fn under_box<L: Lobe, S: Sink>(
     footprint: &Parallelogram,
     mut sink: S,
 ) -> Result<S, QueryError> {
-    // Bounds of errors count exact weights.
-    let areas = if S::STRICT {
-        None
-    } else {
-        Areas::new(footprint)
-    };
     let bounds = footprint.bounds();
-    let centre = footprint.centred(0.0, 0.0);
-    sink = match areas {
-        Some(areas) => {
-            let unit = footprint.texel_weight();
-            Instructions::Fastest.run(Scan {
-                query,
-                bounds: &bounds,
-                origin: centre,
-                weigh: WideBox { areas, unit },
-                sink,
-            })
-        }
-        None => Instructions::Fastest.run(Scan {
-            query,
-            bounds: &bounds,
-            origin: centre,
-            weigh: AnyBox {
-                footprint,
-                outline: Outline::new(footprint),
-            },
-            sink,
-        }),
-    }?;
+    sink = Instructions::Fastest.run(UnderBox {
+        query,
+        footprint,
+        sink,
+    })?;
     if query.shape.wrap == Wrap::Clamp && !query.shape.holds(footprint) {
         super::border::for_each_border_texel(query.tree, &bounds, &mut |texel, part| {
             query.border_texel(texel, footprint.weight(&part), &mut sink)
@@ -157,29 +133,11 @@ pub(super) fn under_gaussian<L: Lobe, S: Sink>(
     mut sink: S,
 ) -> Result<S, QueryError> {
     let bounds = footprint.bounds();
-    let centre = footprint.centred(0.0, 0.0);
-    sink = if footprint.is_smooth() {
-        Instructions::Fastest.run(Scan {
-            query,
-            bounds: &bounds,
-            origin: centre,
-            weigh: SmoothGaussian::new(footprint, query.limit),
-            sink,
-        })
-    } else {
-        // Whole texels that meet the ellipse count.
-        let bounds = TexelBox {
-            low: bounds.low.map(|x| x - 1.0),
-            high: bounds.high.map(|x| x + 1.0),
-        };
-        Instructions::Fastest.run(Scan {
-            query,
-            bounds: &bounds,
-            origin: centre,
-            weigh: NarrowGaussian { footprint },
-            sink,
-        })
-    }?;
+    sink = Instructions::Fastest.run(UnderGaussian {
+        query,
+        footprint,
+        sink,
+    })?;
     if query.shape.wrap == Wrap::Clamp {
         let rectangles = footprint.rectangles();
         super::border::for_each_border_texel(query.tree, &bounds, &mut |texel, part| {
@@ -237,10 +195,186 @@ fn rounding_error(step: f32, exponent: f32) -> f32 {
     1.00001 * step * steepest * lanes::exponential(-0.5 * steepest * steepest)
 }
 
+/// The work of [`under_box`]: all of it, so that what is kept in vectors need not be copied from narrower ones.
+struct UnderBox<'s, 'q, 'a, L, S> {
+    query: &'s Query<'q, 'a, L>,
+    footprint: &'s Parallelogram,
+    sink: S,
+}
+
+impl<L: Lobe, S: Sink> Work for UnderBox<'_, '_, '_, L, S> {
+    type Output = Result<S, QueryError>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Self {
+            query,
+            footprint,
+            sink,
+        } = self;
+        let reach = Reach::new(query, &footprint.bounds());
+        let origin = footprint.centred(0.0, 0.0);
+        // Bounds of errors count exact weights.
+        let areas = if S::STRICT {
+            None
+        } else {
+            Areas::new(footprint)
+        };
+        match areas {
+            Some(areas) => {
+                let unit = footprint.texel_weight();
+                let weigh = WideBox { areas, unit };
+                Scan {
+                    query,
+                    origin,
+                    weigh,
+                    sink,
+                }
+                .run(&reach)
+            }
+            None => {
+                let outline = Outline::new(footprint);
+                let weigh = AnyBox { footprint, outline };
+                Scan {
+                    query,
+                    origin,
+                    weigh,
+                    sink,
+                }
+                .run(&reach)
+            }
+        }
+    }
+}
+
+/// The work of [`under_gaussian`].
+struct UnderGaussian<'s, 'q, 'a, L, S> {
+    query: &'s Query<'q, 'a, L>,
+    footprint: &'s GaussianFootprint,
+    sink: S,
+}
+
+impl<L: Lobe, S: Sink> Work for UnderGaussian<'_, '_, '_, L, S> {
+    type Output = Result<S, QueryError>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Self {
+            query,
+            footprint,
+            sink,
+        } = self;
+        let TexelBox { low, high } = footprint.bounds();
+        let origin = footprint.centred(0.0, 0.0);
+        // Whole texels that meet the ellipse count.
+        let bounds = TexelBox {
+            low: low.map(|x| x - 1.0),
+            high: high.map(|x| x + 1.0),
+        };
+        let reach = Reach::new(query, &bounds);
+        // Bounds of errors count exact weights of narrow ones.
+        let smooth = if S::STRICT && !footprint.is_smooth() {
+            None
+        } else {
+            SmoothGaussian::new(footprint, query.limit)
+        };
+        match smooth {
+            Some(weigh) => Scan {
+                query,
+                origin,
+                weigh,
+                sink,
+            }
+            .run(&reach),
+            None => Scan {
+                query,
+                origin,
+                weigh: NarrowGaussian { footprint },
+                sink,
+            }
+            .run(&reach),
+        }
+    }
+}
+
+/// Asks memory for a block.
+#[inline(always)]
+fn fetch_block(raster: &Raster<'_>, column: i64, row: i64) {
+    let place = raster.place(column as u32, row as u32);
+    if let Some(RasterBlock([word, ..])) = raster.blocks.get(place) {
+        black_box(*word);
+    }
+}
+
+/// The texels that a footprint reaches, and the copies of the map they lie in.
+struct Reach {
+    size: [i64; 2],
+    texels: [Range<i64>; 2],
+    copies: [Range<i64>; 2],
+}
+
+impl Reach {
+    /// What is in `bounds`. Few blocks are asked for at once: what else there is to prepare need not wait for them.
+    #[inline(always)]
+    fn new<L: Lobe>(query: &Query<'_, '_, L>, bounds: &TexelBox) -> Self {
+        let size = [i64::from(query.shape.width), i64::from(query.shape.height)];
+        let TexelBox { low, high } = *bounds;
+        let texels = [
+            floor(low[0])..floor(high[0]) + 1,
+            floor(low[1])..floor(high[1]) + 1,
+        ];
+        let clamp = query.shape.wrap == Wrap::Clamp;
+        let is_held = |reach: &Range<i64>, size: i64| reach.start >= 0 && reach.end <= size;
+        let copies = |reach: &Range<i64>, size: i64| {
+            if clamp || is_held(reach, size) {
+                0..1
+            } else {
+                reach.start.div_euclid(size)..(reach.end - 1).div_euclid(size) + 1
+            }
+        };
+        let copies = [copies(&texels[0], size[0]), copies(&texels[1], size[1])];
+        let reach = Self {
+            size,
+            texels,
+            copies,
+        };
+        let [columns, rows] = reach.blocks([0; 2]);
+        if reach.is_small() {
+            for row in rows {
+                for column in columns.clone() {
+                    fetch_block(query.raster, column, row);
+                }
+            }
+        }
+        reach
+    }
+
+    /// Whether there are few blocks.
+    #[inline(always)]
+    fn is_small(&self) -> bool {
+        let [columns, rows] = &self.texels;
+        (columns.end - columns.start) * (rows.end - rows.start) <= FETCHED
+    }
+
+    /// Columns and rows of the blocks of the copy that begins at texel `copy`.
+    #[inline(always)]
+    fn blocks(&self, copy: [i64; 2]) -> [Range<i64>; 2] {
+        let blocks = |reach: &Range<i64>, copy: i64, size: i64| {
+            let (first, end) = ((reach.start - copy).max(0), (reach.end - copy).min(size));
+            if first < end {
+                first / SIDE..(end - 1) / SIDE + 1
+            } else {
+                0..0
+            }
+        };
+        let ([x, y], [width, height]) = (&self.texels, self.size);
+        [blocks(x, copy[0], width), blocks(y, copy[1], height)]
+    }
+}
+
 /// A scan of the blocks in a box.
 struct Scan<'s, 'q, 'a, L, W, S> {
     query: &'s Query<'q, 'a, L>,
-    bounds: &'s TexelBox,
     /// Where texel (0, 0) lies relative to the footprint's centre.
     origin: [f64; 2],
     weigh: W,
@@ -254,69 +388,32 @@ fn floor(value: f64) -> i64 {
     truncated - i64::from(value < truncated as f64)
 }
 
-impl<L: Lobe, W: Weigh, S: Sink> Work for Scan<'_, '_, '_, L, W, S> {
-    type Output = Result<S, QueryError>;
-
+impl<L: Lobe, W: Weigh, S: Sink> Scan<'_, '_, '_, L, W, S> {
     #[inline(always)]
-    fn run(mut self) -> Self::Output {
-        let query = self.query;
-        let size = [i64::from(query.shape.width), i64::from(query.shape.height)];
-        let frame = Frame::new(query.raster.lattice, query.centre);
+    fn run(mut self, reach: &Reach) -> Result<S, QueryError> {
+        let frame = Frame::new(self.query.raster.lattice, self.query.centre);
         self.sink.unit(self.weigh.unit());
-        let TexelBox { low, high } = *self.bounds;
-        let reach = [
-            floor(low[0])..floor(high[0]) + 1,
-            floor(low[1])..floor(high[1]) + 1,
-        ];
-        // Copies of the map that are met, of which there are few.
-        let clamp = query.shape.wrap == Wrap::Clamp;
-        let copies = |axis: &Range<i64>, size: i64| {
-            if clamp || (axis.start >= 0 && axis.end <= size) {
-                0..1
-            } else {
-                axis.start.div_euclid(size)..(axis.end - 1).div_euclid(size) + 1
-            }
-        };
-        let [columns, rows] = [copies(&reach[0], size[0]), copies(&reach[1], size[1])];
-        for row in rows {
+        let [columns, rows] = &reach.copies;
+        for row in rows.clone() {
             for column in columns.clone() {
-                let copy = [column * size[0], row * size[1]];
-                self.copy(&frame, &reach, copy, size)?;
+                let copy = [column * reach.size[0], row * reach.size[1]];
+                self.copy(&frame, reach, copy)?;
             }
         }
         Ok(self.sink)
     }
-}
 
-impl<L: Lobe, W: Weigh, S: Sink> Scan<'_, '_, '_, L, W, S> {
     /// Scans what of `reach` lies in the copy of the map that begins at texel `copy`.
     #[inline(always)]
-    fn copy(
-        &mut self,
-        frame: &Frame,
-        [reach_x, reach_y]: &[Range<i64>; 2],
-        copy: [i64; 2],
-        size: [i64; 2],
-    ) -> Result<(), QueryError> {
-        let raster = self.query.raster;
-        let blocks = |reach: &Range<i64>, copy: i64, size: i64| {
-            let (first, end) = ((reach.start - copy).max(0), (reach.end - copy).min(size));
-            if first < end {
-                first / SIDE..(end - 1) / SIDE + 1
-            } else {
-                0..0
-            }
-        };
-        let columns = blocks(reach_x, copy[0], size[0]);
-        let rows = blocks(reach_y, copy[1], size[1]);
-        if (columns.end - columns.start) * (rows.end - rows.start) <= FETCHED {
-            for row in rows.clone() {
+    fn copy(&mut self, frame: &Frame, reach: &Reach, copy: [i64; 2]) -> Result<(), QueryError> {
+        let (raster, size) = (self.query.raster, reach.size);
+        let [columns, rows] = reach.blocks(copy);
+        for row in rows {
+            if !reach.is_small() {
                 for column in columns.clone() {
-                    fetch(raster.blocks, raster.place(column as u32, row as u32));
+                    fetch_block(raster, column, row + 1);
                 }
             }
-        }
-        for row in rows {
             for column in columns.clone() {
                 let within = [SIDE * column, SIDE * row];
                 let texel = [copy[0] + within[0], copy[1] + within[1]];

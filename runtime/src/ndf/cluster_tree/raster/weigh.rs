@@ -110,8 +110,11 @@ fn rows(block: &Block) -> usize {
     (block.room[1] as usize).min(SIDE)
 }
 
-/// A Gaussian of at least two texels' deviation: the value of it and a texel convolved, at texels' middles.
+/// A Gaussian of at least half a texel's deviation: the value of it and a texel convolved, at texels' middles; below two
+/// texels' deviation the mean of as many parts of a texel as make it two parts.
 pub(super) struct SmoothGaussian {
+    /// Parts a side.
+    parts: u8,
     /// `|L x|²` is the squared distance from the centre in standard deviations.
     root: [[f32; 2]; 2],
     unit: f64,
@@ -121,22 +124,34 @@ pub(super) struct SmoothGaussian {
 
 impl SmoothGaussian {
     #[inline(always)]
-    pub fn new(footprint: &GaussianFootprint, limit: f32) -> Self {
+    pub fn new(footprint: &GaussianFootprint, limit: f32) -> Option<Self> {
+        let least = footprint.least_deviation();
+        let parts = if least >= 2.0 {
+            1
+        } else if least >= 1.0 {
+            2
+        } else if least >= 0.5 {
+            4
+        } else {
+            return None;
+        };
         let [xx, yy, xy] = footprint.covariance();
-        // Of a texel, 1/12 in either direction.
-        let texel = 1.0 / 12.0;
+        // Of a part, 1/12 of its square in either direction.
+        let count = f64::from(parts);
+        let texel = 1.0 / (12.0 * count * count);
         let area = footprint.determinant_root();
         let determinant = area * area + texel * (xx + yy) + texel * texel;
         let deviation = libm::sqrt(xx + texel);
         let root = libm::sqrt(determinant);
-        Self {
+        Some(Self {
+            parts,
             root: [
                 [(1.0 / deviation) as f32, 0.0],
                 [(-xy / (deviation * root)) as f32, (deviation / root) as f32],
             ],
-            unit: 1.0 / (core::f64::consts::TAU * root),
+            unit: 1.0 / (core::f64::consts::TAU * root * count * count),
             limit,
-        }
+        })
     }
 }
 
@@ -161,17 +176,32 @@ impl Weigh for SmoothGaussian {
 
     #[inline(always)]
     fn weights(&self, block: &Block) -> Lanes {
-        let [[a, _], [b, c]] = self.root;
         let mut weights = [0.0; LANES];
-        for (lane, weight) in (0_i32..).zip(&mut weights) {
+        let part = 1.0 / f32::from(self.parts);
+        for row in 0..self.parts {
+            for column in 0..self.parts {
+                let place = [column, row].map(|part_number| part * (f32::from(part_number) + 0.5));
+                self.add(block, place, &mut weights);
+            }
+        }
+        weights
+    }
+}
+
+impl SmoothGaussian {
+    /// Adds to the weights of a block the values at `place` in each of its texels.
+    #[inline(always)]
+    fn add(&self, block: &Block, place: [f32; 2], weights: &mut Lanes) {
+        let [[a, _], [b, c]] = self.root;
+        let corner = [block.corner[0] + place[0], block.corner[1] + place[1]];
+        for (lane, weight) in (0_i32..).zip(weights) {
             let (column, row) = ((lane & 3) as f32, (lane >> 2) as f32);
-            let (x, y) = (block.corner[0] + column + 0.5, block.corner[1] + row + 0.5);
+            let (x, y) = (corner[0] + column, corner[1] + row);
             let (u, v) = (a * x, b * x + c * y);
             let value = exponential(-0.5 * (u * u + v * v));
             let is_there = (column < block.room[0]) & (row < block.room[1]);
-            *weight = if is_there { value } else { 0.0 };
+            *weight += if is_there { value } else { 0.0 };
         }
-        weights
     }
 }
 
