@@ -18,6 +18,7 @@ mod lean;
 mod masked_brdf;
 mod masking;
 mod opening;
+mod raster_normals;
 mod report;
 mod sampling;
 mod specular_bins;
