@@ -123,6 +123,16 @@ pub(super) fn check_options(recipe: &MethodRecipe) -> Result<(), BakeError> {
             ),
         });
     }
+    if recipe.raster_normals {
+        return Err(BakeError::Option {
+            option: "--raster-normals",
+            value: String::new(),
+            reason: format!(
+                "{} has no tree to store them beside; leave the option out, or use cluster-tree",
+                recipe.method.name()
+            ),
+        });
+    }
     if recipe.leaf_size == 0 {
         return Err(BakeError::Option {
             option: "--leaf-size",

@@ -83,7 +83,7 @@ pub struct BakeArgs {
     pub decode: DecodeArgs,
 
     /// Most memory a bake may take, as in 6GB or 500MB; a map that would take more is refused before it is read.
-    /// Counted as 8 bytes a texel, 12 for each instance with bins, 20 for lean and 24 for cluster-tree
+    /// Counted as 8 bytes a texel, 12 for each instance with bins, 20 for lean, 24 for cluster-tree and 4 for --raster-normals
     #[arg(long, default_value = "16GB", value_name = "SIZE", value_parser = memory)]
     pub memory: u64,
 
