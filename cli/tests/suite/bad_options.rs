@@ -65,6 +65,12 @@ fn options_of_another_method_are_refused_with_the_reason() {
         &[mirrors, "--exact-normals"],
         &["--exact-normals: mirror flakes"],
     );
+    for method in [mirrors, "--roughness=0.1"] {
+        refuses(
+            &[method, "--raster-normals"],
+            &["--raster-normals", "has no tree", "cluster-tree"],
+        );
+    }
     for bins in ["0", "65536"] {
         let option = format!("--bins={bins}");
         refuses(&[mirrors, &option], &["between 1 and 65535"]);

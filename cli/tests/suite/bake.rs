@@ -51,6 +51,32 @@ fn a_bake_says_what_is_in_the_package_and_the_package_is_sound() {
 }
 
 #[test]
+fn a_raster_of_normals_is_stored_once_and_listed() {
+    let workshop = Workshop::with_map();
+    let tree = ["--method=cluster-tree", "--roughness=0.1,0.2"];
+    let bake = |more: &[&str]| {
+        workshop.succeeds(&[&["bake", "map.png", "-o=map.glint"], &tree[..], more].concat());
+        workshop.succeeds(&["verify", "map.glint", "--full"]);
+        let listing = workshop.succeeds(&["inspect", "map.glint"]);
+        let rasters = listing
+            .lines()
+            .filter(|line| {
+                ["RAST", "RASH"]
+                    .iter()
+                    .any(|kind| line.trim_start().starts_with(kind))
+            })
+            .count();
+        (rasters, workshop.read("map.glint").len())
+    };
+    let (none, without) = bake(&[]);
+    let (one, with) = bake(&["--raster-normals"]);
+    assert_eq!((none, one), (0, 1));
+    // 96 x 40 texels in blocks, an entry of the table, and what metadata says of it.
+    let more = with - without;
+    assert!((4 * 96 * 40..4 * 96 * 40 + 600).contains(&more), "{more}");
+}
+
+#[test]
 fn several_methods_take_the_options_that_are_theirs() {
     let workshop = Workshop::with_map();
     let options = [

@@ -129,6 +129,7 @@ fn options_of_bins_are_refused_and_levels_are_lean_s_alone() {
         ("--bins=5", "--bins 5: lean has no bins"),
         ("--index=tiles", "--index tiles: lean has no bins"),
         ("--exact-normals", "--exact-normals: lean keeps moments"),
+        ("--raster-normals", "--raster-normals: lean keeps moments"),
         (
             "--finest-level=7",
             "--finest-level 7: a map of 96 x 40 texels has levels 0 to 6",
