@@ -5,7 +5,7 @@ use glintbake_format::records::{RASTER_SIDE, RasterBlock, RasterLattice, pack_ra
 use rayon::prelude::*;
 use zerocopy::little_endian::U32;
 
-/// The normals of `map` on the lattice that [`lattice`] chooses, and that lattice. 4 bytes a texel; O(texels).
+/// The normals of `map` on the lattice that rounds them by least, and that lattice. 4 bytes a texel; O(texels).
 pub fn build(map: &NormalMap) -> (RasterLattice, Vec<RasterBlock>) {
     let lattice = lattice(map);
     let side = RASTER_SIDE as usize;

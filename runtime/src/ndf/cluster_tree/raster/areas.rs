@@ -1,7 +1,6 @@
 //! The areas that a parallelogram shares with sixteen texels, in closed form.
 #![expect(
     clippy::indexing_slicing,
-    clippy::needless_range_loop,
     reason = "arrays of 16 by numbers below 16, which compilers see and checked indexing would hide from them"
 )]
 
@@ -64,8 +63,8 @@ impl Areas {
         let (mut across, mut distance, mut reach) = ([[0.0; 2]; 2], [0.0; 2], [0.0; 2]);
         for (pair, [x, y]) in [first, second].into_iter().enumerate() {
             let length = libm::sqrt(x * x + y * y);
-            // Written so that a point, of 0 in all, is refused.
-            if !(area > LEAST * length) {
+            // A point, of 0 in all, is too.
+            if area <= LEAST * length {
                 return None;
             }
             let inverse = 1.0 / length;
@@ -250,7 +249,7 @@ mod tests {
                 let room = [[4.0, 4.0], [3.0, 1.0]][block as usize % 2];
                 let shares = areas.shares(x, y, room);
                 let place = areas.place(x, y);
-                for lane in 0..LANES {
+                for (lane, &share) in shares.iter().enumerate() {
                     let [column, row] = [lane % 4, lane / 4].map(|x| x as f64);
                     let low = [first[0] + column, first[1] + row];
                     let exact = if column < f64::from(room[0]) && row < f64::from(room[1]) {
@@ -259,12 +258,8 @@ mod tests {
                     } else {
                         0.0
                     };
-                    let off = (f64::from(shares[lane]) - exact).abs();
-                    assert!(
-                        off < 1e-5,
-                        "{footprint:?} {low:?}: {} {exact}",
-                        shares[lane]
-                    );
+                    let off = (f64::from(share) - exact).abs();
+                    assert!(off < 1e-5, "{footprint:?} {low:?}: {} {exact}", share);
                     if place == Place::Inside && room == [4.0, 4.0] {
                         assert!(exact > 1.0 - 1e-9);
                     }

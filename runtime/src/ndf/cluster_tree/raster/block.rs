@@ -1,7 +1,6 @@
 //! The normals of a block of a raster about a half vector.
 #![expect(
     clippy::indexing_slicing,
-    clippy::needless_range_loop,
     reason = "arrays of 16 by numbers below 16, which compilers see and checked indexing would hide from them"
 )]
 
