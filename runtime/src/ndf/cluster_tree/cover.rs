@@ -269,7 +269,7 @@ pub(super) fn under_gaussian<L: Lobe, S: Sink>(
             let relative = |texel: [i64; 2]| footprint.centred(texel[0] as f64, texel[1] as f64);
             let descent = Descent {
                 tree,
-                    bounds,
+                bounds,
                 cut_coarse: true,
                 copy: Copy { texel: copy },
                 place: |tile: &ClusterTile, texel: [i64; 2]| {

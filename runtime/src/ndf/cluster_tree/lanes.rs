@@ -171,7 +171,11 @@ pub(super) fn normals<L: Lobe>(
         let t = max(max(from_t, -to_t), 0.0);
         let distance = 0.5 * (s * s + t * t);
         distances[lane] = distance;
-        alive |= if distance <= limits.exponent { BITS[lane] } else { 0 };
+        alive |= if distance <= limits.exponent {
+            BITS[lane]
+        } else {
+            0
+        };
         let (side_s, side_t) = (to_s - from_s, to_t - from_t);
         let deviation_s = f32::from(node.deviation_s[lane]) * HALF * side_s;
         let deviation_t = f32::from(node.deviation_t[lane]) * HALF * side_t;

@@ -263,7 +263,8 @@ impl<'a> ClusterTree<'a> {
                 }
                 let outline = Outline::new(&placed);
                 let region = BoxRegion::new(&placed, outline.as_ref(), S::STRICT, knobs.blur);
-                let mut walk = Walk::new(tree, region, lobe, centre, knobs.limits, instructions, sink);
+                let mut walk =
+                    Walk::new(tree, region, lobe, centre, knobs.limits, instructions, sink);
                 walk.set_unit(region.unit());
                 under_box(shape, tree, &region, &mut walk)?;
                 if shape.wrap == Wrap::Clamp && !shape.holds(&placed) {
@@ -284,7 +285,8 @@ impl<'a> ClusterTree<'a> {
                     return raster::under_gaussian(&query, &placed, sink);
                 }
                 let region = GaussianRegion::new(&placed, knobs.weight);
-                let mut walk = Walk::new(tree, region, lobe, centre, knobs.limits, instructions, sink);
+                let mut walk =
+                    Walk::new(tree, region, lobe, centre, knobs.limits, instructions, sink);
                 let size = [f64::from(shape.width), f64::from(shape.height)];
                 if shape.wrap == Wrap::Repeat
                     && placed.least_deviation_in_tiles(size[0], size[1]) >= EVEN_DEVIATION

@@ -11,8 +11,8 @@
 )]
 
 use super::lanes::{
-    BITS, LANES, LEAST_TERM, Lanes, Place, Spread, Texels, exponential, first_bits, get, inverse_root, max, min,
-    set, unit,
+    BITS, LANES, LEAST_TERM, Lanes, Place, Spread, Texels, exponential, first_bits, get,
+    inverse_root, max, min, set, unit,
 };
 use crate::overlap::{GaussianFootprint, Outline, Parallelogram, TexelBox};
 
@@ -338,7 +338,8 @@ impl Region for BoxRegion<'_> {
         );
         let share = |[a_x, a_y]: [f32; 2], half: f32| {
             let distance = (x * a_x + y * a_y).abs();
-            let scale = 0.288_675_1 * inverse_root(a_x * a_x * xx + a_y * a_y * yy + TEXEL_VARIANCE);
+            let scale =
+                0.288_675_1 * inverse_root(a_x * a_x * xx + a_y * a_y * yy + TEXEL_VARIANCE);
             let near = unit(0.5 + (half - distance) * scale);
             let far = unit(0.5 + (half + distance) * scale);
             near + far - 1.0

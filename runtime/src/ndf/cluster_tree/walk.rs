@@ -504,12 +504,7 @@ impl<R: Region, L: Lobe, S: Sink> Walk<'_, R, L, S> {
             distances,
             mut alive,
             narrow,
-        } = lanes::normals(
-            record,
-            node.own,
-            self.lobe,
-            limits,
-        );
+        } = lanes::normals(record, node.own, self.lobe, limits);
         let (first, count) = (u32::from(node.first), u32::from(node.count));
         if slot.even == 0 {
             alive &= existing(first, count);
@@ -559,7 +554,11 @@ impl<R: Region, L: Lobe, S: Sink> Walk<'_, R, L, S> {
                 let [weight, excess] = region.cluster_weight(place, spread, distances[lane]);
                 let is_inside = inside & BITS[lane] != 0;
                 weights[lane] = if is_inside { 1.0 } else { weight };
-                even |= if is_inside | always | (excess <= 0.0) { BITS[lane] } else { 0 };
+                even |= if is_inside | always | (excess <= 0.0) {
+                    BITS[lane]
+                } else {
+                    0
+                };
             }
             one = may_be_one & even;
         }

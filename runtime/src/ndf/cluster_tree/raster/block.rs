@@ -4,7 +4,8 @@
     reason = "arrays of 16 by numbers below 16, which compilers see and checked indexing would hide from them"
 )]
 
-use super::super::lanes::{LANES, Lanes};
+use super::super::lanes::{LANES, Lanes, exponential};
+use super::super::lobe::Lobe;
 use super::super::walk::Centre;
 use glintbake_format::records::{RasterBlock, RasterLattice};
 
@@ -60,13 +61,13 @@ pub(super) fn distances([s, t]: &[Lanes; 2]) -> Lanes {
     distances
 }
 
-/// `factor weight e^-exponent` in each lane.
+/// What each texel adds: the kernel's term for its normal times its weight.
 #[inline(always)]
-pub(super) fn terms(exponents: &Lanes, factors: &Lanes, weights: &Lanes) -> Lanes {
+pub(super) fn terms<L: Lobe>(lobe: &L, [s, t]: &[Lanes; 2], weights: &Lanes) -> Lanes {
     let mut terms = [0.0; LANES];
     for lane in 0..LANES {
-        let term = super::super::lanes::exponential(-exponents[lane]);
-        terms[lane] = factors[lane] * weights[lane] * term;
+        let [exponent, factor] = lobe.exponent(s[lane], t[lane]);
+        terms[lane] = factor * weights[lane] * exponential(-exponent);
     }
     terms
 }

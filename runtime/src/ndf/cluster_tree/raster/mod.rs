@@ -9,7 +9,7 @@ mod block;
 mod weigh;
 
 use super::accuracy::Knobs;
-use super::lanes::{self, LANES, Lanes, Texels};
+use super::lanes::{self, LANES};
 use super::lobe::Lobe;
 use super::walk::{Centre, Sink};
 use crate::error::QueryError;
@@ -167,9 +167,8 @@ impl<L: Lobe> Query<'_, '_, L> {
             (normal[1] - point[1]) * scale,
         ];
         let [s, t] = offset.map(|x| x as f32);
-        let (exponents, factors) = self.lobe.exponents(&[s; LANES], &[t; LANES]);
-        let exponent = lanes::get(&exponents, 0);
-        let term = lanes::get(&factors, 0) * lanes::exponential(-exponent);
+        let [exponent, factor] = self.lobe.exponent(s, t);
+        let term = factor * lanes::exponential(-exponent);
         if S::STRICT {
             let [_, step] = self.raster.lattice.offset_and_step();
             // In no unit but its own.
@@ -454,20 +453,13 @@ impl<L: Lobe, W: Weigh, S: Sink> Scan<'_, '_, '_, L, W, S> {
             return Ok(());
         }
         let [s, t] = normals;
-        let (exponents, factors) = lobe.exponents(&s, &t);
         let weights = if relation == Place::Inside && block.is_whole() {
             [1.0; LANES]
         } else {
             self.weigh.weights(block)
         };
-        let terms: Lanes = terms(&exponents, &factors, &weights);
-        let texels = Texels {
-            x: [0.0; LANES],
-            y: [0.0; LANES],
-            s,
-            t,
-        };
-        self.sink.texels(&terms, &weights, &texels);
+        let terms = terms(lobe, &normals, &weights);
+        self.sink.terms(&terms, &weights, &s, &t);
         Ok(())
     }
 
