@@ -44,4 +44,4 @@ pub use ndf::{
     Setting, SpecularBins, SurfaceNdf,
 };
 pub use package::Package;
-pub use simd::Instructions;
+pub use simd::{Instructions, Work};
