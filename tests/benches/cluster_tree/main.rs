@@ -148,6 +148,7 @@ fn contest(
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let recipe = Recipe::new(vec![MethodRecipe {
         masking: false,
+        raster_normals: options.raster,
         ..MethodRecipe::new(Method::ClusterTree, &[0.01])
     }]);
     let start = Instant::now();
@@ -185,7 +186,12 @@ fn contest(
                 .with_roughness(alpha)?
                 .with_kernel(options.kernel)?
                 .with_filter(options.filter)
-                .with_accuracy(Accuracy::Fast(options.eps)),
+                .with_accuracy(Accuracy::Fast(options.eps))
+                .with_instructions(if options.portable {
+                    Instructions::Portable
+                } else {
+                    Instructions::Fastest
+                }),
             scan: &scan,
             forest: forest.as_ref(),
         };

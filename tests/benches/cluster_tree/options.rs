@@ -39,6 +39,10 @@ pub struct Options {
     pub queries: usize,
     /// The error that the tree is asked for.
     pub eps: f64,
+    /// Whether the tree has a raster of normals beside it.
+    pub raster: bool,
+    /// Whether the tree makes do without wide vectors.
+    pub portable: bool,
     /// Whether the paper's structure takes part.
     pub with_paper: bool,
     /// Where rows go besides.
@@ -63,6 +67,8 @@ impl Options {
             kernel: Kernel::Beckmann,
             queries: 2000,
             eps: Accuracy::DEFAULT,
+            raster: false,
+            portable: false,
             with_paper: true,
             csv: None,
         };
@@ -101,6 +107,8 @@ impl Options {
                 "--queries" => options.queries = number(option, &value()?)?,
                 "--eps" => options.eps = number(option, &value()?)?,
                 "--csv" => options.csv = Some(value()?.into()),
+                "--raster" => options.raster = true,
+                "--portable" => options.portable = true,
                 "--no-paper" => options.with_paper = false,
                 _ if option.starts_with('-') => {
                     return Err(format!("{option}: not an option; see the head of the file"));

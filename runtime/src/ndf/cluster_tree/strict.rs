@@ -1,9 +1,10 @@
 //! Sums with a bound of their error.
 
+use super::ClusterTree;
 use super::accuracy::Knobs;
 use super::lanes::Lanes;
+use super::sinks::Sum;
 use super::walk::Sink;
-use super::{ClusterTree, Sum};
 use glintbake_format::model::{Filter, HalfVector};
 
 /// A density, and how far it can be from the sum over texels.

@@ -1,68 +1,21 @@
-//! The footprint as nodes and leaves see it: which boxes of texels it misses, covers or cuts, and what it weighs them.
-//!
-//! Boxes are tested in single precision relative to the footprint's centre, with slack for all rounding: what is in doubt counts
-//! as cut. Texels under a box have a share in closed form, all sixteen of a leaf at once, but of footprints thinner than a
-//! twentieth of a texel, which are weighed in double precision.
-
+//! A parallelogram: texels weigh as much as lies in it.
 #![expect(
     clippy::indexing_slicing,
     clippy::needless_range_loop,
     reason = "arrays of 16 by numbers below 16, which compilers see and checked indexing would hide from them"
 )]
 
-use super::lanes::{
-    BITS, LANES, LEAST_TERM, Lanes, Place, Spread, Texels, exponential, first_bits, get,
-    inverse_root, max, min, set, unit,
+use super::{Origin, Region};
+use crate::ndf::cluster_tree::lanes::{
+    BITS, LANES, LEAST_TERM, Lanes, Place, Spread, Texels, first_bits, get, inverse_root, max, min,
+    set, unit,
 };
-use crate::overlap::{GaussianFootprint, Outline, Parallelogram, TexelBox};
+use crate::overlap::{Outline, Parallelogram, TexelBox};
 
 /// Rounding of a coordinate relative to the footprint's or tile's size, with a margin.
 const SLACK: f32 = 2e-6;
 /// Width in texels below which boxes are weighed in double precision.
 const THIN: f64 = 0.05;
-
-/// A tile of the tree as the footprint sees it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Origin {
-    /// First column and row, tile copies counted on.
-    pub texel: [i64; 2],
-    /// The same relative to the footprint's centre, in texels.
-    pub offset: [f32; 2],
-}
-
-/// A footprint.
-pub(super) trait Region: Copy {
-    /// Whether texels beyond those that are met have weight.
-    const HAS_TAIL: bool;
-
-    /// How far the mean product of weight and term of a cluster's texels, in the box `place`, can be from `weight` times their
-    /// mean term, as a share of the greatest term, in units of [`unit`](Self::unit).
-    fn weight_error(&self, place: Place, weight: f32) -> f32;
-
-    /// How the box `place` lies, whose normals' exponents are at least `exponent`: it may hold weight of exponents up to
-    /// `limit` in all if the first number is at most 0, and all its texels weigh the same if the second is.
-    fn relation(&self, place: Place, exponent: f32, limit: f32) -> [f32; 2];
-
-    /// The mean weight of a cluster in the box `place`, whose normals' exponents are at least `exponent`, and what is at most 0
-    /// if it hardly depends on where the cluster's texels lie. Not asked of a cluster that is inside.
-    fn cluster_weight(&self, place: Place, spread: Spread, exponent: f32) -> [f32; 2];
-
-    /// The greatest number of texels of a cluster that is not inside and may be weighed as a whole.
-    fn most_blurred(&self) -> f32;
-
-    /// What the first `count` texels weigh, in units of [`unit`](Self::unit); others any number.
-    fn weights(
-        &self,
-        texels: &Texels,
-        origin: &Origin,
-        first: [u8; 2],
-        count: u32,
-        weights: &mut Lanes,
-    );
-
-    /// The weight of a texel that counts 1 in sums.
-    fn unit(&self) -> f64;
-}
 
 /// The variance of places within a texel, in either direction.
 const TEXEL_VARIANCE: f32 = 1.0 / 12.0;
@@ -161,7 +114,7 @@ impl Side {
 
 /// A parallelogram.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BoxRegion<'a> {
+pub(in crate::ndf::cluster_tree) struct BoxRegion<'a> {
     pub footprint: &'a Parallelogram,
     pub outline: Option<&'a Outline>,
     /// Unit vectors across each pair of sides; zero for a side without length.
@@ -407,171 +360,6 @@ impl Region for BoxRegion<'_> {
             let [a, b, c, d] = &sides;
             let area = a.area(x, y) + b.area(x, y) + c.area(x, y) + d.area(x, y);
             weights[lane] = unit(area.abs());
-        }
-    }
-
-    fn unit(&self) -> f64 {
-        self.unit
-    }
-}
-
-/// A Gaussian.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct GaussianRegion<'a> {
-    footprint: &'a GaussianFootprint,
-    /// `|L x|²` is the squared distance from the centre in standard deviations: rows of L, of the Gaussian and a texel convolved.
-    root: [[f32; 2]; 2],
-    /// Covariance of the Gaussian and a texel convolved: xx, yy, xy.
-    covariance: [f32; 3],
-    /// Root of its determinant.
-    area: f32,
-    /// Whether the convolution is a texel's weight; else that is integrated.
-    is_smooth: bool,
-    /// How far the exponent may range over a cluster that is taken as a whole.
-    tolerance: f32,
-    unit: f64,
-}
-
-impl<'a> GaussianRegion<'a> {
-    pub fn new(footprint: &'a GaussianFootprint, tolerance: f64) -> Self {
-        let [xx, yy, xy] = footprint.covariance();
-        // Of a texel, 1/12 in either direction.
-        let texel = 1.0 / 12.0;
-        let determinant = footprint.determinant_root() * footprint.determinant_root()
-            + texel * (xx + yy)
-            + texel * texel;
-        let (xx, yy) = (xx + texel, yy + texel);
-        let deviation = libm::sqrt(xx);
-        let root = libm::sqrt(determinant);
-        let is_smooth = footprint.is_smooth();
-        Self {
-            footprint,
-            root: [
-                [(1.0 / deviation) as f32, 0.0],
-                [(-xy / (deviation * root)) as f32, (deviation / root) as f32],
-            ],
-            covariance: [xx as f32, yy as f32, xy as f32],
-            area: root as f32,
-            is_smooth,
-            tolerance: tolerance as f32,
-            // A texel at the peak.
-            unit: if is_smooth {
-                1.0 / (core::f64::consts::TAU * root)
-            } else {
-                1.0
-            },
-        }
-    }
-
-    /// Least and greatest exponents over a box.
-    #[inline(always)]
-    fn range(&self, place: Place) -> (f32, f32) {
-        let Place {
-            x,
-            y,
-            half_x,
-            half_y,
-        } = place;
-        let [[a, _], [b, c]] = self.root;
-        let (u, v) = ((a * x).abs(), (b * x + c * y).abs());
-        let (reach_u, reach_v) = (a * half_x, b.abs() * half_x + c * half_y);
-        let (low_u, low_v) = (max(u - reach_u, 0.0), max(v - reach_v, 0.0));
-        let (high_u, high_v) = (u + reach_u, v + reach_v);
-        (
-            0.5 * (low_u * low_u + low_v * low_v),
-            0.5 * (high_u * high_u + high_v * high_v),
-        )
-    }
-
-    /// The least exponent over a box of texels, for tiles.
-    pub fn least(&self, middle: [f64; 2], half: [f64; 2]) -> f32 {
-        let (least, _) = self.range(Place {
-            x: middle[0] as f32,
-            y: middle[1] as f32,
-            half_x: half[0] as f32,
-            half_y: half[1] as f32,
-        });
-        least
-    }
-}
-
-impl Region for GaussianRegion<'_> {
-    const HAS_TAIL: bool = true;
-
-    fn weight_error(&self, place: Place, weight: f32) -> f32 {
-        let (least, most) = self.range(place);
-        let (high, low) = (exponential(-least), exponential(-most));
-        // Weights range from `low` to `high`, and so does their mean; term and weight may go together.
-        (high - low) + max((weight - low).abs(), (high - weight).abs())
-    }
-
-    #[inline(always)]
-    fn relation(&self, place: Place, exponent: f32, limit: f32) -> [f32; 2] {
-        let (least, _) = self.range(place);
-        [least + exponent - limit, 1.0]
-    }
-
-    #[inline(always)]
-    fn cluster_weight(&self, place: Place, spread: Spread, exponent: f32) -> [f32; 2] {
-        let (least, most) = self.range(place);
-        // What is small matters less.
-        let excess = most - least - self.tolerance * (1.0 + 0.5 * (exponent + least));
-        let (x, y) = (place.x + spread.mean[0], place.y + spread.mean[1]);
-        // The cluster's places as a Gaussian that is as much longer than wide as its box.
-        let variance = 8.0 * spread.variance;
-        let [xx, yy, xy] = self.covariance;
-        let (a, b) = (
-            xx + variance * place.half_x * place.half_x,
-            yy + variance * place.half_y * place.half_y,
-        );
-        let determinant = a * b - xy * xy;
-        let root = inverse_root(determinant);
-        let square = (b * x * x - 2.0 * xy * x * y + a * y * y) * root * root;
-        let weight = self.area * root * exponential(-0.5 * max(square, 0.0));
-        [
-            weight,
-            if self.is_smooth {
-                excess
-            } else {
-                f32::INFINITY
-            },
-        ]
-    }
-
-    #[inline(always)]
-    fn most_blurred(&self) -> f32 {
-        if self.is_smooth { f32::INFINITY } else { 0.0 }
-    }
-
-    #[inline(always)]
-    fn weights(
-        &self,
-        texels: &Texels,
-        origin: &Origin,
-        first: [u8; 2],
-        count: u32,
-        weights: &mut Lanes,
-    ) {
-        if self.is_smooth {
-            let [[a, _], [b, c]] = self.root;
-            let (low_x, low_y) = (
-                origin.offset[0] + f32::from(first[0]) + 0.5,
-                origin.offset[1] + f32::from(first[1]) + 0.5,
-            );
-            for lane in 0..LANES {
-                let (x, y) = (low_x + texels.x[lane], low_y + texels.y[lane]);
-                let (u, v) = (a * x, b * x + c * y);
-                weights[lane] = exponential(-0.5 * (u * u + v * v));
-            }
-            return;
-        }
-        for (lane, weight) in weights.iter_mut().enumerate() {
-            *weight = 0.0;
-            if (lane as u32) < count && get(&texels.distances, lane) <= LEAST_TERM {
-                let column = get(&texels.x, lane) as i64 + i64::from(first[0]) + origin.texel[0];
-                let row = get(&texels.y, lane) as i64 + i64::from(first[1]) + origin.texel[1];
-                *weight = self.footprint.texel_weight(column, row) as f32;
-            }
         }
     }
 
