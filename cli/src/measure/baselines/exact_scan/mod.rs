@@ -3,8 +3,8 @@
 //! What a renderer would write that has memory for the normals and nothing else. Normals are kept in 32 bits a component, to
 //! a 2^31st, in squares of 4 × 4 texels, upper and lower halves apart: the upper halves of a square are one line of a
 //! cache, and all that is read of a square that no light can reach. That costs a dozen instructions on 16-bit lanes. Lit
-//! squares are weighed, by exact areas under a box ([`coverage`]) and by the Gaussian's integral over each texel
-//! ([`gaussian`]), and the kernel is evaluated for 16 normals at once ([`lobe`]). The vectors are those that queries of
+//! squares are weighed, by exact areas under a box (`coverage`) and by the Gaussian's integral over each texel
+//! (`gaussian`), and the kernel is evaluated for 16 normals at once (`lobe`). The vectors are those that queries of
 //! the runtime get.
 
 mod coverage;

@@ -80,7 +80,7 @@ pub(super) fn is_fine_enough(raster: &Raster<'_>, sigma: f64, eps: f64) -> bool 
 /// The most texels that are scanned: about as many as take as long by the tree, which gets by with the fewer the narrower the
 /// kernel is. Measured, see docs/cluster-tree.md.
 fn most_texels(sigma: f64) -> f64 {
-    (8e4 * sigma).clamp(256.0, 8192.0)
+    (2.4e4 * sigma).clamp(64.0, 2048.0)
 }
 
 /// Whether a footprint of about `texels` texels within `bounds` is scanned rather than looked for in the tree.
