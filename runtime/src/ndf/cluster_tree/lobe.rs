@@ -123,7 +123,7 @@ const LEAST_SQUARE: f32 = 1e-12;
 const LEAST_HEIGHT: f32 = 1e-2;
 /// The greatest variance of a cluster's normals on the disk, at the greatest limit of those relative to the kernel, as a share of
 /// the limit: beyond, the chart is too uneven.
-const CURVE: f64 = 0.03;
+const CURVE: f64 = 0.02;
 
 impl Lobe for Beckmann {
     #[inline(always)]
