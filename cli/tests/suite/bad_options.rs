@@ -65,9 +65,9 @@ fn options_of_another_method_are_refused_with_the_reason() {
         &[mirrors, "--exact-normals"],
         &["--exact-normals: mirror flakes"],
     );
-    for method in [mirrors, "--roughness=0.1"] {
+    for method in [&[mirrors][..], &["--method=flake-bins", "--roughness=0.1"]] {
         refuses(
-            &[method, "--raster-normals"],
+            &[method, &["--raster-normals"]].concat(),
             &["--raster-normals", "has no tree", "cluster-tree"],
         );
     }

@@ -368,7 +368,7 @@ fn options_of_other_methods_are_refused_with_the_method_that_takes_them() {
     );
     has(
         "exact-normals",
-        "keeps every texel's own normal already",
+        "keeps every normal, and with --raster-normals in a raster too",
         "flake-bins",
     );
     has("finest-level=1", "keeps every texel", "lean");

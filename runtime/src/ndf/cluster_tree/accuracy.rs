@@ -59,8 +59,8 @@ impl Knobs {
         Self {
             limits: Limits {
                 exponent: (exponent + tail).clamp(3.0, 40.0) as f32,
-                variance: (0.2 * ease) as f32,
-                tail: (0.1 * ease * ease) as f32,
+                variance: (0.15 * ease) as f32,
+                tail: (0.06 * ease * ease) as f32,
             },
             weight: 0.2 * ease,
             blur: 2.5e-4 * ease * ease,
