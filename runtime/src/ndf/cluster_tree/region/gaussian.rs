@@ -97,8 +97,9 @@ impl Region for GaussianRegion<'_> {
     fn weight_error(&self, place: Place, weight: f32) -> f32 {
         let (least, most) = self.range(place);
         let (high, low) = (exponential(-least), exponential(-most));
-        // Weights range from `low` to `high`, and so does their mean; term and weight may go together.
-        (high - low) + max((weight - low).abs(), (high - weight).abs())
+        // Weights range from `low` to `high`, and so does their mean; term and weight may go together. The box of a node that lies
+        // may run backwards.
+        (high - low).abs() + max((weight - low).abs(), (high - weight).abs())
     }
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 use super::Sink;
 use super::open::leaf_bits;
 use super::queue::{Leaf, Slot, texels_of};
-use crate::ndf::cluster_tree::lanes::{self, Lanes, NormalBox, exponential, get, max};
+use crate::ndf::cluster_tree::lanes::{self, Lanes, NormalBox, exponential, get, max, min};
 use glintbake_format::model::TileShape;
 use glintbake_format::records::{ClusterNode, LeafKind};
 
@@ -38,10 +38,15 @@ fn slope(exponent: f32) -> f32 {
     1.00001 * distance * exponential(-exponent)
 }
 
+/// The sides of `own`. Those of a node that lies may run backwards, and no error may be less than none.
+fn sides(own: &NormalBox) -> [f32; 2] {
+    own.extent().map(f32::abs)
+}
+
 /// How far the mean term of a cluster can be from that of the Gaussian of its stored moments, on the disk: docs/cluster-tree.md,
-/// "Errors".
+/// "Errors". At most 1, as terms are from 0 to 1.
 pub(super) fn moment_error(own: &NormalBox, [ss, tt]: [f32; 2]) -> f32 {
-    let [width, height] = own.extent();
+    let [width, height] = sides(own);
     let diagonal = width + height;
     // Rounding of a deviation, by half a 510th of a side, of the correlation, by a 254th, and of the mean.
     let of = |variance: f32, side: f32| {
@@ -60,10 +65,13 @@ pub(super) fn moment_error(own: &NormalBox, [ss, tt]: [f32; 2]) -> f32 {
     let third = 0.2301 * trace * (diagonal + 1.6 * root);
     // The cluster's Gaussian reaches beyond its box, so that the steepest slope of all counts.
     let mean = slope(0.0) * diagonal * (1.0 / 510.0);
-    third + mean + 0.5 * (error_s + error_t + 2.0 * error_st)
+    min(
+        third + mean + 0.5 * (error_s + error_t + 2.0 * error_st),
+        1.0,
+    )
 }
 
-/// How far the term of a texel of a leaf can be from that of its normal before it was rounded.
+/// How far the term of a texel of a leaf can be from that of its normal before it was rounded: at most 1, as terms are from 0 to 1.
 pub(super) fn leaf_error(leaf: &Leaf, node: &ClusterNode, least: f32) -> f32 {
     let lane = usize::from(leaf.lane);
     let most = leaf_bits(node, lane).most() as f32;
@@ -74,10 +82,10 @@ pub(super) fn leaf_error(leaf: &Leaf, node: &ClusterNode, least: f32) -> f32 {
         Some(LeafKind::Palette) => return 0.0,
         _ => 1.0,
     };
-    let [width, height] = leaf.own.extent();
+    let [width, height] = sides(&leaf.own);
     let off = 0.5 * (width + height) / (most * finer);
     let near = max(2.0 * least, 0.0);
     let distance = near * lanes::inverse_root(max(near, 1e-30));
     let inner = max(distance - off, 0.0);
-    off * slope(0.5 * inner * inner)
+    min(off * slope(0.5 * inner * inner), 1.0)
 }
