@@ -221,6 +221,11 @@ pub struct QueryArgs {
     #[command(flatten)]
     pub settings: SettingArgs,
 
+    /// Refine cluster-tree until --eps is proved, and add a column ndf-bound: how far each density can be from the sum over
+    /// texels; needs --kernel disk, and takes several times as long
+    #[arg(long)]
+    pub strict: bool,
+
     /// Print a summary as JSON; needs --output
     #[arg(long, requires = "output")]
     pub json: bool,

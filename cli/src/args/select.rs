@@ -97,6 +97,28 @@ fn tolerance(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Why `option` is refused where `method` answers, and what to do: add to the command line that a tree of `package` answers, and
+/// `besides`, if there is one.
+fn of_trees_alone(
+    option: &str,
+    why: &str,
+    besides: &str,
+    method: Method,
+    package: &Package<'_>,
+) -> CommandError {
+    let remedy = match package.find(Some(Method::ClusterTree), None) {
+        Some(_) => format!("add --method cluster-tree{besides}"),
+        None => "bake with --method cluster-tree".to_owned(),
+    };
+    CommandError::new(
+        Failure::Usage,
+        format!(
+            "{option}: {why}, and {} answers; {remedy}, or leave it out",
+            method.name()
+        ),
+    )
+}
+
 /// An instance under a setting, and the words for it.
 #[derive(Debug)]
 pub struct QuerySettings<'a> {
@@ -194,6 +216,37 @@ impl SettingArgs {
         Ok(QuerySettings { ndf, description })
     }
 
+    /// The same, to be asked for densities with bounds: [`Accuracy::Strict`] of a `cluster-tree`, and said so.
+    ///
+    /// # Errors
+    /// As [`Self::choose`], and [`Failure::Usage`] if what answers has no proof.
+    pub fn choose_strict<'a>(
+        &self,
+        package: &Package<'a>,
+    ) -> Result<QuerySettings<'a>, CommandError> {
+        let chosen = self.choose(package)?;
+        let SurfaceNdf::ClusterTree(tree) = chosen.ndf else {
+            let method = chosen.ndf.instance().method;
+            let why = "only cluster-tree has bounds that are proved, of its kernel disk";
+            let error = of_trees_alone("--strict", why, " --kernel disk", method, package);
+            return Err(error);
+        };
+        if tree.kernel() != Kernel::Disk {
+            return Err(CommandError::new(
+                Failure::Usage,
+                format!(
+                    "--strict: bounds are proved for the kernel disk alone, and {} answers; add --kernel disk, or leave it out",
+                    tree.kernel().name()
+                ),
+            ));
+        }
+        let accuracy = Accuracy::Strict(tree.accuracy().eps());
+        Ok(QuerySettings {
+            ndf: SurfaceNdf::ClusterTree(tree.with_accuracy(accuracy)),
+            description: format!("{} accuracy=strict", chosen.description),
+        })
+    }
+
     /// Refuses options of `cluster-tree` for another `method`.
     fn check_for_another(&self, method: Method, package: &Package<'_>) -> Result<(), CommandError> {
         let given = [
@@ -203,17 +256,8 @@ impl SettingArgs {
         let Some((option, _)) = given.iter().find(|(_, is_given)| *is_given) else {
             return Ok(());
         };
-        let remedy = match package.find(Some(Method::ClusterTree), None) {
-            Some(_) => "add --method cluster-tree",
-            None => "bake with --method cluster-tree",
-        };
-        Err(CommandError::new(
-            Failure::Usage,
-            format!(
-                "{option}: only cluster-tree has a choice of it, and {} answers; {remedy}, or leave it out",
-                method.name()
-            ),
-        ))
+        let why = "only cluster-tree has a choice of it";
+        Err(of_trees_alone(option, why, "", method, package))
     }
 
     /// Refuses, for `cluster-tree`, options of another method and a `roughness` that it does not answer for.

@@ -50,3 +50,15 @@ pub(super) fn choose<'a>(
         .choose(&package(path, bytes)?)
         .map_err(|error| error.in_file(path.display()))
 }
+
+/// The same, to be asked for densities with bounds.
+pub(super) fn choose_strict<'a>(
+    arguments: &OpenArgs,
+    settings: &SettingArgs,
+    bytes: &'a [u8],
+) -> Result<QuerySettings<'a>, CommandError> {
+    let path = &arguments.package;
+    settings
+        .choose_strict(&package(path, bytes)?)
+        .map_err(|error| error.in_file(path.display()))
+}

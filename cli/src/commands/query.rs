@@ -6,7 +6,7 @@ use crate::exit::{CommandError, Failure};
 use crate::output::Console;
 use glintbake_bake::package::publish;
 use glintbake_format::model::{Footprint, HalfVector};
-use glintbake_runtime::{Ndf, QueryError};
+use glintbake_runtime::{Accuracy, Ndf, QueryError, SurfaceNdf};
 use rayon::prelude::*;
 use serde_json::json;
 use std::fs;
@@ -22,10 +22,13 @@ const COMMENT: u8 = b'#';
 /// The column that is added.
 const RESULT: &str = "ndf";
 
+/// The one that strict answers add as well.
+const BOUND: &str = "ndf-bound";
+
 /// Answers every row of the table.
 ///
 /// # Errors
-/// [`Failure::Input`] or [`Failure::Content`] for the table, with the line; [`Failure::NotBaked`] and
+/// [`Failure::Usage`] for `--strict` of what has no bounds; [`Failure::Input`] or [`Failure::Content`] for the table, with the line; [`Failure::NotBaked`] and
 /// [`Failure::Package`] for the package; [`Failure::Output`].
 pub fn run(arguments: &QueryArgs, console: &Console) -> Result<(), CommandError> {
     let path = &arguments.open.package;
@@ -34,7 +37,12 @@ pub fn run(arguments: &QueryArgs, console: &Console) -> Result<(), CommandError>
         paths::check(Some(path), &[("--output", output)])?;
     }
     let bytes = open::checked(&arguments.open)?;
-    let chosen = open::choose(&arguments.open, &arguments.settings, &bytes)?;
+    let choose = if arguments.strict {
+        open::choose_strict
+    } else {
+        open::choose
+    };
+    let chosen = choose(&arguments.open, &arguments.settings, &bytes)?;
     let progress = console.progress("reading the queries");
     let table = Table::read(&arguments.queries)?;
     progress.set_message("evaluating");
@@ -43,16 +51,16 @@ pub fn run(arguments: &QueryArgs, console: &Console) -> Result<(), CommandError>
         .par_iter()
         .map(|row| {
             let (footprint, half_vector) = row.query();
-            chosen.ndf.eval(&footprint, half_vector)
+            Answer::to(&chosen.ndf, &footprint, half_vector)
         })
         .collect();
     // Looked through in order, so that the first bad line is named whichever thread met one first.
-    let densities = table
+    let answers = table
         .rows
         .iter()
         .zip(answers)
         .map(|(row, answer)| answer.map_err(|error| refused(error, arguments, row.line)))
-        .collect::<Result<Vec<f64>, _>>()?;
+        .collect::<Result<Vec<Answer>, _>>()?;
     progress.finish_and_clear();
     lattice::warn_of_query(console, &arguments.open, &chosen, &bytes);
     match &arguments.output {
@@ -61,23 +69,43 @@ pub fn run(arguments: &QueryArgs, console: &Console) -> Result<(), CommandError>
                 table.write(
                     &mut io::BufWriter::new(file),
                     &chosen.description,
-                    &densities,
+                    &answers,
+                    arguments.strict,
                 )
             })?;
+            let mut document = json!({
+                "output": path.display().to_string(),
+                "rows": answers.len(),
+                "setting": chosen.description,
+            });
+            let mut of_bounds = String::new();
+            if let SurfaceNdf::ClusterTree(tree) = &chosen.ndf
+                && arguments.strict
+            {
+                let proof = Proof::of(&answers, tree.accuracy().eps());
+                document["greatest-bound"] = json!(proof.greatest);
+                document["rows-within-eps"] = json!(proof.within);
+                of_bounds = format!(
+                    ", bounds up to {}, {} within eps",
+                    shortest(proof.greatest),
+                    proof.within
+                );
+            }
             console.line(format_args!(
-                "{}: {} rows, {}",
+                "{}: {} rows{of_bounds}, {}",
                 path.display(),
-                densities.len(),
+                answers.len(),
                 chosen.description
             ));
-            console.document(&json!({
-                "output": path.display().to_string(),
-                "rows": densities.len(),
-                "setting": chosen.description,
-            }));
+            console.document(&document);
         }
         None => table
-            .write(&mut io::stdout().lock(), &chosen.description, &densities)
+            .write(
+                &mut io::stdout().lock(),
+                &chosen.description,
+                &answers,
+                arguments.strict,
+            )
             .or_else(|error| match error.kind() {
                 // `glintbake query … | head` has all it wants.
                 io::ErrorKind::BrokenPipe => Ok(()),
@@ -88,6 +116,60 @@ pub fn run(arguments: &QueryArgs, console: &Console) -> Result<(), CommandError>
             })?,
     }
     Ok(())
+}
+
+/// What a row is answered with.
+#[derive(Clone, Copy, Debug)]
+struct Answer {
+    density: f64,
+    /// How far it can be from the sum over texels, of a strict answer.
+    bound: Option<f64>,
+}
+
+impl Answer {
+    fn to(
+        ndf: &SurfaceNdf<'_>,
+        footprint: &Footprint,
+        half_vector: HalfVector,
+    ) -> Result<Self, QueryError> {
+        if let SurfaceNdf::ClusterTree(tree) = ndf
+            && let Accuracy::Strict(_) = tree.accuracy()
+        {
+            let bounded = tree.eval_bounded(footprint, half_vector)?;
+            return Ok(Self {
+                density: bounded.density,
+                bound: Some(bounded.bound),
+            });
+        }
+        let density = ndf.eval(footprint, half_vector)?;
+        Ok(Self {
+            density,
+            bound: None,
+        })
+    }
+}
+
+/// What the bounds of a table come to.
+#[derive(Clone, Copy, Debug)]
+struct Proof {
+    greatest: f64,
+    /// Rows whose bound is at most the share of the density that was asked for.
+    within: usize,
+}
+
+impl Proof {
+    fn of(answers: &[Answer], eps: f64) -> Self {
+        let bounds = || {
+            let with_bound = |answer: &Answer| Some((answer.density, answer.bound?));
+            answers.iter().filter_map(with_bound)
+        };
+        Self {
+            greatest: bounds().fold(0.0, |most: f64, (_, bound)| most.max(bound)),
+            within: bounds()
+                .filter(|(density, bound)| *bound <= eps * density)
+                .count(),
+        }
+    }
 }
 
 /// Why a row has no answer, with the file that is to blame: the package if it is damaged, else the table's line.
@@ -172,6 +254,8 @@ struct Table {
     header: csv::StringRecord,
     /// Where a `ndf` column of the input is, to be replaced instead of doubled.
     result: Option<usize>,
+    /// Likewise of a `ndf-bound` column, which is emptied if answers are not strict: an older bound is not theirs.
+    bound: Option<usize>,
     rows: Vec<Row>,
 }
 
@@ -212,7 +296,7 @@ impl Table {
                 )
             })?;
         }
-        let result = column(RESULT)?;
+        let (result, bound) = (column(RESULT)?, column(BOUND)?);
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.map_err(malformed)?;
@@ -241,6 +325,7 @@ impl Table {
         }
         Ok(Self {
             result,
+            bound,
             header,
             rows,
         })
@@ -250,30 +335,42 @@ impl Table {
         &self,
         output: &mut dyn Write,
         description: &str,
-        densities: &[f64],
+        answers: &[Answer],
+        strict: bool,
     ) -> io::Result<()> {
         writeln!(output, "# {description}")?;
         let mut writer = csv::WriterBuilder::new()
             // Quotes fields that would begin a comment, so that the table can be read back.
             .comment(Some(COMMENT))
             .from_writer(output);
+        let has_bound = strict || self.bound.is_some();
         writer
-            .write_record(self.with_result(&self.header, RESULT))
+            .write_record(self.with_results(&self.header, RESULT, has_bound.then_some(BOUND)))
             .map_err(as_io)?;
-        for (row, density) in self.rows.iter().zip(densities) {
+        for (row, answer) in self.rows.iter().zip(answers) {
+            let density = shortest(answer.density);
+            let bound = answer.bound.map(shortest).unwrap_or_default();
             writer
-                .write_record(self.with_result(&row.record, &shortest(*density)))
+                .write_record(self.with_results(&row.record, &density, has_bound.then_some(&bound)))
                 .map_err(as_io)?;
         }
         writer.flush()
     }
 
-    /// The fields of `record`, its result set to `value`, or that added.
-    fn with_result<'r>(&self, record: &'r csv::StringRecord, value: &'r str) -> Vec<&'r str> {
+    /// The fields of `record`, its results set to `density` and, if there is to be one, `bound`, or these added.
+    fn with_results<'r>(
+        &self,
+        record: &'r csv::StringRecord,
+        density: &'r str,
+        bound: Option<&'r str>,
+    ) -> Vec<&'r str> {
         let mut fields: Vec<&str> = record.iter().collect();
-        match self.result.and_then(|place| fields.get_mut(place)) {
-            Some(field) => *field = value,
-            None => fields.push(value),
+        for (place, value) in [(self.result, Some(density)), (self.bound, bound)] {
+            let Some(value) = value else { continue };
+            match place.and_then(|place| fields.get_mut(place)) {
+                Some(field) => *field = value,
+                None => fields.push(value),
+            }
         }
         fields
     }

@@ -24,5 +24,6 @@ mod report;
 mod sample;
 mod streams;
 mod stress;
+mod strict;
 mod warnings;
 mod workshop;
