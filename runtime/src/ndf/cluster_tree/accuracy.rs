@@ -59,7 +59,7 @@ impl Knobs {
         Self {
             limits: Limits {
                 exponent: (exponent + tail).clamp(3.0, 40.0) as f32,
-                variance: (0.15 * ease) as f32,
+                variance: (0.1 * ease) as f32,
                 tail: (0.03 * ease * ease) as f32,
             },
             weight: 0.2 * ease,
