@@ -73,7 +73,7 @@ pub(super) fn under_box<R: Region, L: Lobe, S: Sink>(
     for_each_border_texel(tree, &footprint.bounds(), &mut |texel, part| {
         let weight = footprint.weight(&part);
         if weight > 0.0 {
-            walk.exact(find::normal(tree, texel[0], texel[1])?, weight);
+            walk.exact(&find::normal(tree, texel[0], texel[1])?, weight);
         }
         Ok(())
     })
@@ -90,7 +90,7 @@ pub(super) fn under_gaussian<R: Region, L: Lobe, S: Sink>(
         let [low, high] = [part.low, part.high].map(|[x, y]| footprint.centred(x, y));
         let weight = rectangles.share([low[0], high[0]], [low[1], high[1]]);
         if weight > 0.0 {
-            walk.exact(find::normal(tree, texel[0], texel[1])?, weight);
+            walk.exact(&find::normal(tree, texel[0], texel[1])?, weight);
         }
         Ok(())
     })

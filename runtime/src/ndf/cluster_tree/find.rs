@@ -3,22 +3,27 @@
 use crate::error::QueryError;
 use glintbake_format::Finding;
 use glintbake_format::model::TileShape;
-use glintbake_format::records::ClusterNode;
+use glintbake_format::records::{ClusterNode, LeafBits, LeafKind};
 use glintbake_format::view::ClusterTree;
 
 /// A box of normals: where it begins, and how far it runs.
 type NormalBox = [[f64; 2]; 2];
 
-/// The point (s, t) of the normal of the texel in `column` and `row` of the map: exact as stored. Boxes of siblings overlap where
+/// The normal of a texel as it is stored.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stored {
+    /// Its point (s, t).
+    pub normal: [f64; 2],
+    /// How far it can be from the one that was baked: half a step in s, and half one in t.
+    pub rounding: f64,
+}
+
+/// The normal of the texel in `column` and `row` of the map: exact as stored. Boxes of siblings overlap where
 /// texels were split by their normals, so that a few leaves are looked through; all 256 of a tile at most.
 ///
 /// # Errors
 /// If the tile's leaves do not hold the texel.
-pub(super) fn normal(
-    tree: &ClusterTree<'_>,
-    column: u32,
-    row: u32,
-) -> Result<[f64; 2], QueryError> {
+pub(super) fn normal(tree: &ClusterTree<'_>, column: u32, row: u32) -> Result<Stored, QueryError> {
     let level = tree.layout.level(0);
     let tile = level.tile(column / level.side, row / level.side);
     let place = [
@@ -72,7 +77,7 @@ impl Search<'_> {
         place: u64,
         range: [u32; 2],
         own: NormalBox,
-    ) -> Result<Option<[f64; 2]>, Finding> {
+    ) -> Result<Option<Stored>, Finding> {
         let node = self.tree.node(place)?;
         for child in 0..16 {
             let [cluster, count] = child_range(range, child);
@@ -85,12 +90,36 @@ impl Search<'_> {
             for texel in 0..texels as usize {
                 let found = self.tree.leaf_texel(place, child, leaf, texel, inner)?;
                 if found.place == self.place {
-                    return Ok(Some(found.normal.map(|x| x.clamp(-1.0, 1.0))));
+                    return Ok(Some(Stored {
+                        normal: found.normal.map(|x| x.clamp(-1.0, 1.0)),
+                        rounding: rounding(node, child, inner),
+                    }));
                 }
             }
         }
         Ok(None)
     }
+}
+
+/// Half a step in s and half one in t of the texels of the leaf that is child `child` of `node`, and has the box `own`.
+fn rounding(node: &ClusterNode, child: u32, [_, extent]: NormalBox) -> f64 {
+    let side = |high: &[u8; 16], low: &[u8; 16]| {
+        let side = byte(high, child).wrapping_sub(byte(low, child));
+        (side & 0xFF) as u8
+    };
+    let bits = LeafBits::new(
+        side(&node.high_x, &node.low_x),
+        side(&node.high_y, &node.low_y),
+    );
+    let most = f64::from(bits.most());
+    let steps = match LeafKind::of(byte(&node.deviation_xy, child) as u8) {
+        Some(LeafKind::Wide) => 16.0 * most + 15.0,
+        // To 31 bits, which the slack for arithmetic covers.
+        Some(LeafKind::Palette) => return 0.0,
+        _ => most,
+    };
+    let [s, t] = extent;
+    0.5 * (s.abs() + t.abs()) / steps
 }
 
 fn child_range([first, count]: [u32; 2], child: u32) -> [u32; 2] {

@@ -467,7 +467,7 @@ impl Ndf for ClusterTree<'_> {
         let (column, row) = self.texel_under(footprint, [first, second])?;
         let [s, t] = match self.raster() {
             Some(raster) => raster.normal(column, row)?,
-            None => find::normal(&self.tree, column, row)?,
+            None => find::normal(&self.tree, column, row)?.normal,
         };
         let normal = HalfVector { s, t };
         let drawn = match self.kernel {

@@ -71,7 +71,7 @@ pub(super) fn moment_error(own: &NormalBox, [ss, tt]: [f32; 2]) -> f32 {
     )
 }
 
-/// How far the term of a texel of a leaf can be from that of its normal before it was rounded: at most 1, as terms are from 0 to 1.
+/// How far the term of a texel of a leaf can be from that of its normal before it was rounded.
 pub(super) fn leaf_error(leaf: &Leaf, node: &ClusterNode, least: f32) -> f32 {
     let lane = usize::from(leaf.lane);
     let most = leaf_bits(node, lane).most() as f32;
@@ -84,6 +84,11 @@ pub(super) fn leaf_error(leaf: &Leaf, node: &ClusterNode, least: f32) -> f32 {
     };
     let [width, height] = sides(&leaf.own);
     let off = 0.5 * (width + height) / (most * finer);
+    rounding_error(off, least)
+}
+
+/// How far a term can be from that of a normal `off` away, if exponents are at least `least`: at most 1, as terms are from 0 to 1.
+pub(super) fn rounding_error(off: f32, least: f32) -> f32 {
     let near = max(2.0 * least, 0.0);
     let distance = near * lanes::inverse_root(max(near, 1e-30));
     let inner = max(distance - off, 0.0);

@@ -17,6 +17,7 @@ mod bounds;
 mod open;
 mod queue;
 
+use super::find::Stored;
 use super::lanes::{
     self, BITS, Frame, LANES, LEAST_TERM, Lanes, NormalBox, Normals, Place, exponential,
 };
@@ -24,6 +25,7 @@ use super::lobe::Lobe;
 use super::region::{Origin, Region};
 use crate::error::QueryError;
 use crate::simd::{Instructions, Work, fetch};
+use bounds::rounding_error;
 use glintbake_format::model::{ClusterLevel, ClusterTile, TileShape};
 use glintbake_format::view::ClusterTree;
 use queue::{CROWDED, LEAVES, Leaf, NO_SLOT, NODES, Node, Queue, Slot, TILES, existing};
@@ -118,8 +120,9 @@ impl<'a, R: Region, L: Lobe, S: Sink> Walk<'a, R, L, S> {
         self.sink.unit(unit);
     }
 
-    /// Adds a texel of the normal `normal` and weight `weight`, in no unit.
-    pub fn exact(&mut self, normal: [f64; 2], weight: f64) {
+    /// Adds a texel of the normal `stored` and weight `weight`, in no unit. After all tiles: errors have no unit from here on.
+    pub fn exact(&mut self, stored: &Stored, weight: f64) {
+        let normal = stored.normal;
         let Centre { point, scale } = self.centre;
         let offset = [
             (normal[0] - point[0]) * scale,
@@ -127,6 +130,12 @@ impl<'a, R: Region, L: Lobe, S: Sink> Walk<'a, R, L, S> {
         ];
         let [s, t] = offset.map(|x| x as f32);
         let [exponent, factor] = self.lobe.exponent(s, t);
+        if S::STRICT {
+            self.sink.unit(1.0);
+            let off = (stored.rounding * scale) as f32;
+            let error = rounding_error(off, 0.5 * (s * s + t * t));
+            self.sink.error(1.00001 * weight as f32 * error);
+        }
         if exponent <= LEAST_TERM {
             let term = f64::from(factor) * f64::from(exponential(-exponent));
             self.sink.exact(term * weight, weight, offset);
