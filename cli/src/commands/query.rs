@@ -28,8 +28,8 @@ const BOUND: &str = "ndf-bound";
 /// Answers every row of the table.
 ///
 /// # Errors
-/// [`Failure::Usage`] for `--strict` of what has no bounds; [`Failure::Input`] or [`Failure::Content`] for the table, with the line; [`Failure::NotBaked`] and
-/// [`Failure::Package`] for the package; [`Failure::Output`].
+/// [`Failure::Usage`] for `--strict` of what has no bounds; [`Failure::Input`] or [`Failure::Content`] for the table,
+/// with the line; [`Failure::NotBaked`] and [`Failure::Package`] for the package; [`Failure::Output`].
 pub fn run(arguments: &QueryArgs, console: &Console) -> Result<(), CommandError> {
     let path = &arguments.open.package;
     if let Some(output) = &arguments.output {
