@@ -87,7 +87,12 @@ fn every_method_answers_its_own_model_and_loses_no_more_energy_than_it() {
                     assert_ne!(row.contestant.role, Role::Method, "{name:?}");
                     continue;
                 };
-                assert!(model.worst_unlit <= LIT, "{name:?}: {model:?}");
+                // Where a stored normal is rounded near the rim, what is e^-20 of a lobe's peak moves by as much.
+                let dark = match row.cell.roughness {
+                    Some(alpha) => LIT.max(1e-8 / (std::f64::consts::PI * alpha * alpha)),
+                    None => LIT,
+                };
+                assert!(model.worst_unlit <= dark, "{name:?}: {model:?}");
                 // Of Gaussians a half vector from anywhere may meet only what lies beyond their end.
                 let found = row.cell.half_vectors == HalfVectors::Found;
                 // So it may of what skips terms far below the peak.

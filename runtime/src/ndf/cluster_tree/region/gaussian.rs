@@ -17,9 +17,9 @@ pub(in crate::ndf::cluster_tree) struct GaussianRegion<'a> {
     footprint: &'a GaussianFootprint,
     /// `|L x|²` is the squared distance from the centre in standard deviations: rows of L, of the Gaussian and a texel convolved.
     root: [[f32; 2]; 2],
-    /// Covariance of the Gaussian and a texel convolved: xx, yy, xy.
-    covariance: [f32; 3],
-    /// Root of its determinant.
+    /// Variances of the Gaussian and a texel convolved.
+    variances: [f32; 2],
+    /// Root of the determinant of their covariance.
     area: f32,
     /// Whether the convolution is a texel's weight; else that is integrated.
     is_smooth: bool,
@@ -46,7 +46,7 @@ impl<'a> GaussianRegion<'a> {
                 [(1.0 / deviation) as f32, 0.0],
                 [(-xy / (deviation * root)) as f32, (deviation / root) as f32],
             ],
-            covariance: [xx as f32, yy as f32, xy as f32],
+            variances: [xx as f32, yy as f32],
             area: root as f32,
             is_smooth,
             tolerance: tolerance as f32,
@@ -116,15 +116,19 @@ impl Region for GaussianRegion<'_> {
         let (x, y) = (place.x + spread.mean[0], place.y + spread.mean[1]);
         // The cluster's places as a Gaussian that is as much longer than wide as its box.
         let variance = 8.0 * spread.variance;
-        let [xx, yy, xy] = self.covariance;
+        let [xx, yy] = self.variances;
         let (a, b) = (
-            xx + variance * place.half_x * place.half_x,
-            yy + variance * place.half_y * place.half_y,
+            variance * place.half_x * place.half_x,
+            variance * place.half_y * place.half_y,
         );
-        let determinant = a * b - xy * xy;
+        // Of sums alone: of a long Gaussian a difference of products would leave nothing.
+        let area = self.area * self.area;
+        let determinant = area + a * yy + b * xx + a * b;
         let root = inverse_root(determinant);
-        let square = (b * x * x - 2.0 * xy * x * y + a * y * y) * root * root;
-        let weight = self.area * root * exponential(-0.5 * max(square, 0.0));
+        let [[l, _], [m, n]] = self.root;
+        let (u, v) = (l * x, m * x + n * y);
+        let square = (area * (u * u + v * v) + b * x * x + a * y * y) * root * root;
+        let weight = self.area * root * exponential(-0.5 * square);
         [
             weight,
             if self.is_smooth {
