@@ -5,7 +5,7 @@
 //! bytes (mapped, static or read) ──► Package::open ──► Package::ndf ──► eval / sample / pdf
 //! ```
 //!
-//! - `no_std`, no allocation, no unsafe code (one call behind the feature `simd`); the bytes are used where they lie.
+//! - `no_std`, no allocation, no unsafe code (two calls behind the feature `simd`); the bytes are used where they lie.
 //! - Any bytes are safe: opening checks the header and the section table, queries check every bound. Whether the
 //!   *answers* are right is for `glintbake verify` to say.
 //! - Arithmetic is f64 throughout: on a CPU scalar f64 costs what f32 costs, and a half vector in f32 is up to 0.04 %

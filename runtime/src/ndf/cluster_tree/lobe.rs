@@ -234,8 +234,6 @@ pub(super) struct NarrowBeckmann {
     height: f32,
     /// σr².
     variance: f32,
-    /// The greatest exponent on the disk that series are good for.
-    limit: f32,
 }
 
 impl NarrowBeckmann {
@@ -252,7 +250,6 @@ impl NarrowBeckmann {
             curve: (sigma * sigma / (z * z)) as f32,
             height: (z / sigma) as f32,
             variance: (sigma * sigma) as f32,
-            limit,
         })
     }
 }
