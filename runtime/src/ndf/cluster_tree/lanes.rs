@@ -308,6 +308,20 @@ impl Texels {
         distances: [0.0; LANES],
     };
 
+    /// Keeps the normal of texel `lane`, if its bit is set in `there`; returns its bit if it is at most `limit` away.
+    #[inline(always)]
+    fn keep(&mut self, lane: usize, [s, t]: [f32; 2], there: u32, limit: f32) -> u32 {
+        self.s[lane] = s;
+        self.t[lane] = t;
+        let distance = if BITS[lane] & there != 0 {
+            0.5 * (s * s + t * t)
+        } else {
+            f32::INFINITY
+        };
+        self.distances[lane] = distance;
+        if distance <= limit { BITS[lane] } else { 0 }
+    }
+
     /// Reads the first `count` texels of a narrow leaf in the box `own`; returns those at most `limit` away.
     #[inline(always)]
     pub fn read_narrow(
@@ -332,16 +346,7 @@ impl Texels {
             self.y[lane] = ((word >> to_y) & mask_y) as i32 as f32;
             let s = low_s + ((word >> to_s) & mask) as i32 as f32 * step_s;
             let t = low_t + ((word >> to_t) & mask) as i32 as f32 * step_t;
-            self.s[lane] = s;
-            self.t[lane] = t;
-            let distance = 0.5 * (s * s + t * t);
-            let distance = if BITS[lane] & there != 0 {
-                distance
-            } else {
-                f32::INFINITY
-            };
-            self.distances[lane] = distance;
-            near |= if distance <= limit { BITS[lane] } else { 0 };
+            near |= self.keep(lane, [s, t], there, limit);
         }
         near
     }
@@ -374,16 +379,7 @@ impl Texels {
             let whole_t = ((word >> to_t) & mask) << 4 | finer >> 4;
             let s = low_s + whole_s as i32 as f32 * step_s;
             let t = low_t + whole_t as i32 as f32 * step_t;
-            self.s[lane] = s;
-            self.t[lane] = t;
-            let distance = 0.5 * (s * s + t * t);
-            let distance = if BITS[lane] & there != 0 {
-                distance
-            } else {
-                f32::INFINITY
-            };
-            self.distances[lane] = distance;
-            near |= if distance <= limit { BITS[lane] } else { 0 };
+            near |= self.keep(lane, [s, t], there, limit);
         }
         near
     }
@@ -420,18 +416,9 @@ impl Texels {
             let (low_t, high_t) = (if is_odd { t1 } else { t0 }, if is_odd { t3 } else { t2 });
             let s = if is_upper { high_s } else { low_s };
             let t = if is_upper { high_t } else { low_t };
-            self.s[lane] = s;
-            self.t[lane] = t;
             self.x[lane] = ((entry >> 2) & 63) as i32 as f32;
             self.y[lane] = ((entry >> 8) & 63) as i32 as f32;
-            let distance = 0.5 * (s * s + t * t);
-            let distance = if BITS[lane] & there != 0 {
-                distance
-            } else {
-                f32::INFINITY
-            };
-            self.distances[lane] = distance;
-            near |= if distance <= limit { BITS[lane] } else { 0 };
+            near |= self.keep(lane, [s, t], there, limit);
         }
         near
     }
