@@ -11,6 +11,7 @@ mod masking;
 mod method;
 mod normal;
 mod pyramid;
+mod surface;
 
 pub use bins::{BinGrid, Binning, Neighbourhood, disk_grid_resolution};
 pub use blocks::{
@@ -26,3 +27,4 @@ pub use masking::{MaskingGrid, MaskingPlace};
 pub use method::{Kernel, METHODS, Method, beckmann_from_intrinsic, intrinsic_from_beckmann};
 pub use normal::HalfVector;
 pub use pyramid::PyramidLayout;
+pub use surface::{Interpolation, LobeLattice};
