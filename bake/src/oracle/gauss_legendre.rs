@@ -3,6 +3,7 @@
 use core::f64::consts::PI;
 
 /// The rule of n nodes, exact for polynomials of degree 2n - 1.
+#[derive(Clone, Debug)]
 pub(super) struct GaussLegendre {
     /// Node in [-1, 1] and weight; the weights sum to 2.
     rule: Vec<(f64, f64)>,

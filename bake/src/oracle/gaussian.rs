@@ -85,7 +85,7 @@ fn deviation(axis: &TexelAxis) -> f64 {
 }
 
 /// The least standard deviation in any direction; 0 for parallel edges.
-fn least_deviation(edge_1: [f64; 2], edge_2: [f64; 2]) -> f64 {
+pub(super) fn least_deviation(edge_1: [f64; 2], edge_2: [f64; 2]) -> f64 {
     let sum: f64 = [edge_1, edge_2].iter().flatten().map(|x| x * x).sum();
     let area = edge_1[0] * edge_2[1] - edge_1[1] * edge_2[0];
     // The greater root of `x² - sum x + area²`, and the product of both.
@@ -298,7 +298,7 @@ impl<'a> Conditional<'a> {
 }
 
 /// The share of a unit Gaussian between `from` and `to`, to the last digits also far out.
-fn normal_between(from: f64, to: f64) -> f64 {
+pub(super) fn normal_between(from: f64, to: f64) -> f64 {
     let tail = |z: f64| 0.5 * libm::erfc(z.abs() * FRAC_1_SQRT_2);
     let between = if from > 0.0 {
         tail(from) - tail(to)

@@ -13,11 +13,16 @@
 //! | D and its pdf, Beckmann flakes | [`flake_bins`] | \[AWKK21\] eq. 11, 15, 18 |
 //! | D and its pdf, specular flakes | [`specular_bins`] | \[ABKK20\] §2 |
 //! | D and its pdf, Gaussians on the disk | [`disk`] | \[YHJ*14\] |
+//! | the integral over a piecewise-linear surface | [`analytic`] | \[YHJ*14\] eq. 6 |
+//! | the same by counting samples | [`binning`] | \[YHJ*14\] Fig. 9 |
+//! | the sum over 4D lobes of position and normal | [`lobes`] | \[YHMR16\], \[TZYR22\] eq. 3-6 |
 //! | the model of `lean`: one lobe by MIP-mapped moments | [`lean`] | \[OB10\], \[Tok05\] |
 //!
 //! Cost is no concern: a query visits every texel under its footprint.
 
+pub mod analytic;
 mod beckmann;
+pub mod binning;
 mod direction;
 pub mod disk;
 mod double_double;
@@ -25,10 +30,12 @@ pub mod flake_bins;
 mod gauss_legendre;
 mod gaussian;
 pub mod lean;
+pub mod lobes;
 mod masking;
 mod polygon;
 mod segment;
 pub mod specular_bins;
+mod surface;
 mod texel_axis;
 mod weights;
 

@@ -1,5 +1,6 @@
 //! Checks of the oracle against hand-made cases, quadrature, brute force and identities.
 
+mod bells;
 mod disk;
 mod double_double;
 mod flake_bins;
@@ -7,6 +8,7 @@ mod gaussian;
 mod kernel;
 mod lean;
 mod limits;
+mod lobes;
 mod specular_bins;
 mod sweep;
 mod weights;
