@@ -1,6 +1,8 @@
 //! Checks of the oracle against hand-made cases, quadrature, brute force and identities.
 
+mod analytic;
 mod bells;
+mod binning;
 mod disk;
 mod double_double;
 mod flake_bins;
