@@ -23,6 +23,7 @@ pub fn check(recipe: &Recipe) -> Result<(), BakeError> {
         });
     }
     for method in &recipe.methods {
+        methods::check_later(method)?;
         baker(method.method).check(method)?;
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use crate::image::{InputFile, ReadOptions};
 use crate::normals::{DecodeOptions, Statistics};
-use glintbake_format::model::{Filter, Kernel, Method};
+use glintbake_format::model::{Filter, Interpolation, Kernel, LobeLattice, Method};
 use glintbake_format::records::InverseKind;
 use serde::Serialize;
 
@@ -51,6 +51,22 @@ pub struct MethodRecipe {
         skip_serializing_if = "Option::is_none"
     )]
     pub kernel: Option<Kernel>,
+    /// The lobes, for a method that has them; `None` for curved ones, one a texel.
+    #[serde(
+        serialize_with = "lattice_name",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub lattice: Option<LobeLattice>,
+    /// Most that merging neighbouring lobes may change the density of one, of its peak; `None` for
+    /// [`DEFAULT_MERGE_ERROR`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub merge_error: Option<f64>,
+    /// How normals continue between texels, for a method that integrates over them; `None` for linear.
+    #[serde(
+        serialize_with = "interpolation_name",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub interpolation: Option<Interpolation>,
     /// Whether exact normals are stored, 4 bytes a texel.
     pub exact_normals: bool,
     /// Whether a cluster tree has a raster of normals beside it, 4 bytes a texel.
@@ -70,6 +86,17 @@ pub const DEFAULT_METHOD: Method = Method::ClusterTree;
 /// scratches to glint one by one, and wide beside the steps of 8-bit normals.
 pub const DEFAULT_ROUGHNESS: f64 = 0.02;
 
+/// Merge error of a `lobes` recipe that names none: a tenth of a percent of a lobe's peak.
+pub const DEFAULT_MERGE_ERROR: f64 = 1e-3;
+
+/// The filter of a recipe that names none: boxes, but for methods that are made for Gaussian footprints.
+pub const fn default_filter(method: Method) -> Filter {
+    match method {
+        Method::Lobes | Method::Analytic => Filter::Gaussian,
+        _ => Filter::Box,
+    }
+}
+
 impl MethodRecipe {
     /// `method` with the roughnesses `roughness` and defaults for the rest.
     pub fn new(method: Method, roughness: &[f64]) -> Self {
@@ -77,11 +104,14 @@ impl MethodRecipe {
             method,
             roughness: roughness.to_vec(),
             bins: None,
-            filter: Filter::Box,
+            filter: default_filter(method),
             inverse: None,
             leaf_size: DEFAULT_LEAF_SIZE,
             finest_level: None,
             kernel: None,
+            lattice: None,
+            merge_error: None,
+            interpolation: None,
             exact_normals: false,
             raster_normals: false,
             masking: true,
@@ -115,6 +145,28 @@ fn kernel_name<S: serde::Serializer>(
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(kernel.map_or("default", Kernel::name))
+}
+
+#[expect(clippy::ref_option, reason = "the signature is serde's")]
+fn lattice_name<S: serde::Serializer>(
+    lattice: &Option<LobeLattice>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let name = |lattice: LobeLattice| match (lattice.curved, lattice.per_side) {
+        (true, 1) => "curved",
+        (true, _) => "curved, four a texel",
+        (false, 1) => "flat",
+        (false, _) => "flat, four a texel",
+    };
+    serializer.serialize_str(lattice.map_or("default", name))
+}
+
+#[expect(clippy::ref_option, reason = "the signature is serde's")]
+fn interpolation_name<S: serde::Serializer>(
+    interpolation: &Option<Interpolation>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(interpolation.map_or("default", Interpolation::name))
 }
 
 #[expect(clippy::ref_option, reason = "the signature is serde's")]
@@ -185,7 +237,7 @@ impl Recipe {
 
     /// About the most memory that a bake takes, in bytes a texel: 8 for the normals, 12 for each instance with bins (of
     /// which about 7 stay until the package is written), 4 for exact normals, 4 for a raster of normals, 20 for a
-    /// pyramid and 24 for a cluster tree, which instances share.
+    /// pyramid, 24 for a cluster tree, 40 for each lobe and 12 for a surface, which instances share.
     ///
     /// For planning only. White noise below a roughness of 0.001, with nearly a bin to each texel, takes half as much
     /// again; flakes take three quarters of it.
@@ -201,6 +253,11 @@ impl Recipe {
             Method::FlakeBins | Method::SpecularBins => 12 * method.instance_count(),
             Method::Lean => 20,
             Method::ClusterTree => 24,
+            Method::Lobes => {
+                let per_side = method.lattice.map_or(1, |lattice| lattice.per_side);
+                40 * u64::from(per_side) * u64::from(per_side)
+            }
+            Method::Analytic => 12,
         };
         let structures: u64 = self.methods.iter().map(structures).sum();
         8 + structures

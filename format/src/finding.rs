@@ -7,7 +7,7 @@ use core::fmt;
 macro_rules! faults {
     ($($(#[doc = $doc:literal])+ $name:ident = $number:literal, $text:literal;)+) => {
         /// A kind of fault, with a stable number: 1xxx header, 2xxx section table and padding, 3xxx bins (31xx masking,
-        /// 32xx pyramids, 33xx cluster trees),
+        /// 32xx pyramids, 33xx cluster trees, 34xx box pyramids and lobes, 35xx surfaces),
         /// 4xxx instances, 5xxx contents against checksums.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[repr(u16)]
@@ -124,6 +124,21 @@ faults! {
     RasterUnused = 3308, "a word of the raster that lies beyond the map is not zero";
     /// A normal of a raster that is not that of the tree.
     RasterNormal = 3309, "a normal of the raster is not that of the leaf that holds the texel";
+
+    /// The box of a box pyramid is none, or reaches far beyond the disk.
+    PyramidRoot = 3401, "the normals of a box pyramid have no box about the unit disk";
+    /// A box of a box pyramid is absent where it should be there, or there where nothing is.
+    PyramidBox = 3402, "a box of a box pyramid ends before it begins, or stands for no cell";
+    /// Blocks of lobes that are not where the index says.
+    LobeIndex = 3403, "the index of lobes names blocks that are not there, twice or not at all, or that no cell has";
+    /// A number of a lobe that is none, or reaches beyond what may be stored.
+    LobeRange = 3404, "a lobe has a normal or a slope that is not a number, or negative units";
+    /// A lobe beyond the lattice is not zero.
+    LobeUnused = 3405, "a lobe that lies beyond the lattice, or moments of a child that is not there, are not zero";
+    /// A lobe that leaves its box.
+    LobeBox = 3406, "a lobe reaches beyond the box of its block";
+    /// Moments that are not those of a block's lobes.
+    LobeMoments = 3407, "the mean of a block of lobes is not that of its lobes";
 
     /// The instance's numbers contradict themselves or this version.
     InstanceField = 4001, "an instance record has a value that this version does not allow";

@@ -20,6 +20,8 @@ pub enum QueryError {
     SettingUnsupported(Method),
     /// The kernel is not one of this method.
     KernelUnsupported(Method),
+    /// The filter is not one of this method.
+    FilterUnsupported(Method),
     /// The roughness asked for is out of range.
     RoughnessRange {
         /// The least Beckmann roughness.
@@ -64,6 +66,11 @@ impl fmt::Display for QueryError {
             Self::KernelUnsupported(method) => write!(
                 f,
                 "{} has no such kernel; it has beckmann and disk",
+                method.name()
+            ),
+            Self::FilterUnsupported(method) => write!(
+                f,
+                "{} is made for Gaussian footprints; ask with the filter gaussian",
                 method.name()
             ),
             Self::RoughnessRange { least, most } => write!(

@@ -28,6 +28,7 @@
 
 mod error;
 mod fetch;
+mod lanes;
 pub mod microfacet;
 pub mod ndf;
 mod overlap;
@@ -40,7 +41,7 @@ pub use glintbake_format::model;
 pub use glintbake_format::records::Instance;
 pub use glintbake_format::{Fault, Finding};
 pub use ndf::{
-    Accuracy, BatchError, Bounded, ClusterTree, Facet, FlakeBins, Lean, Lobe, Ndf, Queries,
+    Accuracy, BatchError, Bounded, ClusterTree, Facet, FlakeBins, Lean, Lobe, Lobes, Ndf, Queries,
     Setting, SpecularBins, SurfaceNdf,
 };
 pub use package::Package;

@@ -2,10 +2,12 @@
 
 pub mod bin_map;
 pub mod block_lists;
+pub mod box_pyramid;
 pub mod cluster_tree;
 pub mod exact_normals;
 pub mod forest;
 pub mod inverse_bin_map;
+pub mod lobes;
 pub mod masking;
 mod morton;
 pub mod pyramid;

@@ -5,7 +5,9 @@ mod cluster_tree;
 mod flake_bins;
 mod inverse;
 mod lean;
+mod lobes;
 mod masking;
+mod options;
 mod roughness;
 mod specular_bins;
 
@@ -16,6 +18,8 @@ use crate::progress::{Progress, Stage};
 use crate::recipe::{Chosen, LeftOut, MethodRecipe};
 use glintbake_format::model::Method;
 use glintbake_format::records::Instance;
+
+pub use options::check_later;
 
 /// What a method can be baked with.
 pub trait BakeMethod: Sync {
@@ -46,6 +50,7 @@ pub const REGISTRY: &[&dyn BakeMethod] = &[
     &specular_bins::SpecularBins,
     &lean::Lean,
     &cluster_tree::ClusterTree,
+    &lobes::Lobes,
 ];
 
 /// The baker of `method`.

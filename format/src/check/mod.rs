@@ -6,8 +6,10 @@
 
 mod bins;
 mod block_lists;
+mod box_pyramid;
 mod clusters;
 mod inverse_bin_map;
+mod lobes;
 mod masking;
 mod pyramid;
 
@@ -29,6 +31,8 @@ pub fn structure(container: &Container<'_>, report: &mut dyn FnMut(Finding)) {
                     Structure::Bins(_) => bins::check(container, &instance, report),
                     Structure::Pyramid { .. } => pyramid::check(container, &instance, report),
                     Structure::Clusters { .. } => clusters::check(container, &instance, report),
+                    Structure::Lobes(_) => lobes::check(container, &instance, report),
+                    Structure::Surface { .. } => box_pyramid::check(container, &instance, report),
                 }
                 masking::check(container, &instance, report);
             }

@@ -12,6 +12,10 @@ pub enum Method {
     Lean = 3,
     /// Moments of clusters in a tree over positions and normals: this project's own, docs/cluster-tree.md.
     ClusterTree = 4,
+    /// Gaussian lobes of position and normal \[YHMR16\].
+    Lobes = 5,
+    /// Integrals over the triangles of a piecewise linear normal map \[YHJ*14\].
+    Analytic = 6,
 }
 
 /// Every method this version knows, in order of its code.
@@ -20,6 +24,7 @@ pub const METHODS: &[Method] = &[
     Method::SpecularBins,
     Method::Lean,
     Method::ClusterTree,
+    Method::Lobes,
 ];
 
 impl Method {
@@ -45,6 +50,8 @@ impl Method {
             Self::SpecularBins => "specular-bins",
             Self::Lean => "lean",
             Self::ClusterTree => "cluster-tree",
+            Self::Lobes => "lobes",
+            Self::Analytic => "analytic",
         }
     }
 
@@ -54,7 +61,7 @@ impl Method {
         match self {
             Self::FlakeBins | Self::ClusterTree => Kernel::Beckmann,
             Self::SpecularBins => Kernel::BinAverage,
-            Self::Lean => Kernel::Disk,
+            Self::Lean | Self::Lobes | Self::Analytic => Kernel::Disk,
         }
     }
 }

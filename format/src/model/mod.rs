@@ -4,6 +4,7 @@
 
 mod bins;
 mod blocks;
+mod box_pyramid;
 mod clusters;
 mod footprint;
 mod forest;
@@ -18,6 +19,7 @@ pub use blocks::{
     BLOCK_SIDE, BLOCK_TEXELS, BlockLayout, PAGE_SIDE, PageLayout, TILE_SIDE, block_name,
     block_place,
 };
+pub use box_pyramid::{BoxPyramidLayout, PYRAMID_LEVELS, PYRAMID_SIDE};
 pub use clusters::{
     CLUSTER_CHILDREN, CLUSTER_LEVELS, ClusterLayout, ClusterLevel, ClusterTile, TileShape,
 };

@@ -1,7 +1,10 @@
 //! Instance records: what was baked, by which method, and with which numbers.
 
 use crate::finding::{Fault, Finding};
-use crate::model::{BinGrid, Binning, ClusterLayout, Filter, Kernel, Method, PyramidLayout, Wrap};
+use crate::model::{
+    BinGrid, Binning, BoxPyramidLayout, ClusterLayout, Filter, Interpolation, Kernel, LobeLattice,
+    Method, PyramidLayout, Wrap,
+};
 use crate::records::INSTANCES;
 use crate::section::SectionId;
 use core::ops::RangeInclusive;
@@ -106,8 +109,14 @@ pub struct InstanceRecord {
     pub finest_level: U32,
     /// 48: kernel of a query that names none, for a method that has several; else 0.
     pub kernel: U16,
-    /// 50: zero.
-    pub reserved: [u8; 14],
+    /// 50: interpolation of normals; 0 for a method that does not interpolate.
+    pub interpolation: u8,
+    /// 51: lobes along a side of a texel, 1 or 2; 0 without lobes.
+    pub lobes_per_side: u8,
+    /// 52: 1 for curved lobes; else 0.
+    pub lobes_curved: u8,
+    /// 53: zero.
+    pub reserved: [u8; 11],
 }
 
 const _: () = assert!(
@@ -145,6 +154,13 @@ pub enum Structure {
         /// Kernel of a query that names none: Beckmann's or the disk's.
         kernel: Kernel,
     },
+    /// Lobes of position and normal, under a box pyramid over their lattice.
+    Lobes(LobeLattice),
+    /// The normals themselves, under a box pyramid over the squares between them.
+    Surface {
+        /// How normals continue between texels.
+        interpolation: Interpolation,
+    },
 }
 
 /// An instance with its numbers checked.
@@ -176,6 +192,18 @@ impl Instance {
         self.width.wrapping_mul(self.height)
     }
 
+    /// Whether `other` keeps the same of the same map, for the same method: what one of them stores of it serves both.
+    pub fn keeps_the_same_as(&self, other: &Self) -> bool {
+        let structures_agree = match (self.structure, other.structure) {
+            // A tree serves every kernel.
+            (Structure::Clusters { .. }, Structure::Clusters { .. }) => true,
+            (own, other) => own == other,
+        };
+        structures_agree
+            && (self.layer, self.method) == (other.layer, other.method)
+            && (self.width, self.height) == (other.width, other.height)
+    }
+
     /// The name of this instance's section of `kind`.
     pub const fn section(&self, kind: crate::section::FourCc) -> SectionId {
         SectionId::of_instance(self.layer, self.number, kind)
@@ -185,33 +213,45 @@ impl Instance {
     pub const fn bins(&self) -> Option<Bins> {
         match self.structure {
             Structure::Bins(bins) => Some(bins),
-            Structure::Pyramid { .. } | Structure::Clusters { .. } => None,
+            _ => None,
         }
     }
 
     /// The layout of the pyramid, of a method that has one.
     pub const fn pyramid(&self) -> Option<PyramidLayout> {
         match self.structure {
-            Structure::Bins(_) | Structure::Clusters { .. } => None,
             Structure::Pyramid { finest_level } => {
                 PyramidLayout::new(self.width, self.height, finest_level)
             }
+            _ => None,
         }
     }
 
     /// The layout of the cluster tree, of a method that has one.
     pub const fn clusters(&self) -> Option<ClusterLayout> {
         match self.structure {
-            Structure::Bins(_) | Structure::Pyramid { .. } => None,
             Structure::Clusters { .. } => ClusterLayout::new(self.width, self.height),
+            _ => None,
+        }
+    }
+
+    /// The layout of the box pyramid, of a method that has one.
+    pub const fn box_pyramid(&self) -> Option<BoxPyramidLayout> {
+        match self.structure {
+            Structure::Lobes(lattice) => {
+                let [columns, rows] = lattice.size(self.width, self.height);
+                BoxPyramidLayout::new(columns, rows)
+            }
+            Structure::Surface { .. } => BoxPyramidLayout::new(self.width, self.height),
+            _ => None,
         }
     }
 
     /// The kernel of a query that names none.
     pub const fn kernel(&self) -> Kernel {
         match self.structure {
-            Structure::Bins(_) | Structure::Pyramid { .. } => self.method.kernel(),
             Structure::Clusters { kernel } => kernel,
+            _ => self.method.kernel(),
         }
     }
 
@@ -234,7 +274,10 @@ impl Instance {
             key_count: U32::ZERO,
             finest_level: U32::ZERO,
             kernel: U16::ZERO,
-            reserved: [0; 14],
+            interpolation: 0,
+            lobes_per_side: 0,
+            lobes_curved: 0,
+            reserved: [0; 11],
         };
         match self.structure {
             Structure::Bins(bins) => InstanceRecord {
@@ -252,6 +295,15 @@ impl Instance {
             },
             Structure::Clusters { kernel } => InstanceRecord {
                 kernel: U16::new(kernel as u16),
+                ..record
+            },
+            Structure::Lobes(lattice) => InstanceRecord {
+                lobes_per_side: lattice.per_side,
+                lobes_curved: u8::from(lattice.curved),
+                ..record
+            },
+            Structure::Surface { interpolation } => InstanceRecord {
+                interpolation: interpolation as u8,
                 ..record
             },
         }
@@ -298,6 +350,17 @@ impl Instance {
             Method::ClusterTree => match Kernel::from_code(record.kernel.get()) {
                 Some(kernel @ (Kernel::Beckmann | Kernel::Disk)) => Structure::Clusters { kernel },
                 _ => return Err(field.values(1, u64::from(record.kernel.get()))),
+            },
+            Method::Lobes => match (record.lobes_per_side, record.lobes_curved) {
+                (per_side @ (1 | 2), curved @ (0 | 1)) => Structure::Lobes(LobeLattice {
+                    curved: curved == 1,
+                    per_side,
+                }),
+                (other, _) => return Err(field.values(1, u64::from(other))),
+            },
+            Method::Analytic => Structure::Surface {
+                interpolation: Interpolation::from_code(record.interpolation)
+                    .ok_or(field.values(2, u64::from(record.interpolation)))?,
             },
         };
         let instance = Self {

@@ -2,18 +2,22 @@
 
 mod bins;
 mod blocks;
+mod box_pyramid;
 mod clusters;
 mod instance;
+mod lobes;
 mod masking;
 mod pyramid;
 mod raster;
 
 pub use bins::{BoxRecord, ExactNormal, ForestNode, TexelPosition};
 pub use blocks::{ListStart, PageRecord, TileRecord};
+pub use box_pyramid::BoxNode;
 pub use clusters::{
     ClusterLeaf, ClusterNode, FineBits, LeafBits, LeafKind, PALETTE_UNIT, TileRoot,
 };
 pub use instance::{Bins, IndexKind, Instance, InstanceRecord, InverseKind, Structure};
+pub use lobes::{LobeBlock, LobeIndex, LobeMoments, LobeSlopes, WideLobeBlock, WideLobeSlopes};
 pub use masking::MaskingValue;
 pub use pyramid::{NarrowMean, SpreadRecord, WideMean};
 pub use raster::{RASTER_SIDE, RasterBlock, RasterLattice, pack_raster, unpack_raster};
@@ -71,6 +75,22 @@ pub const FINE_STARTS: FourCc = FourCc(*b"FNDX");
 pub const RASTER: FourCc = FourCc(*b"RAST");
 /// The same with zero halfway between two numbers.
 pub const HALF_RASTER: FourCc = FourCc(*b"RASH");
+/// The box of all normals that a box pyramid begins with.
+pub const PYRAMID_ROOT: FourCc = FourCc(*b"PYRR");
+/// Nodes of a box pyramid, level by level from the finest, each level row by row.
+pub const PYRAMID_NODES: FourCc = FourCc(*b"PYRN");
+/// For each node of the lowest level of a box pyramid, where its blocks of lobes lie.
+pub const LOBE_INDEX: FourCc = FourCc(*b"LOIX");
+/// Normals of lobes, in blocks of 4 × 4.
+pub const LOBES: FourCc = FourCc(*b"LOBE");
+/// Slopes of lobes, block by block as their normals; absent if lobes are flat.
+pub const LOBE_SLOPES: FourCc = FourCc(*b"LOSL");
+/// Normals of lobes in blocks that 16 bits would round by too much; absent if there are none.
+pub const WIDE_LOBES: FourCc = FourCc(*b"LOBW");
+/// Slopes of these; absent if lobes are flat, or there are none.
+pub const WIDE_LOBE_SLOPES: FourCc = FourCc(*b"LOSW");
+/// Moments of the lobes in each child of each node of a box pyramid.
+pub const LOBE_MOMENTS: FourCc = FourCc(*b"LOMO");
 
 /// The schema version of every section of this major version so far.
 pub const SCHEMA: u32 = 1;
@@ -102,6 +122,14 @@ const KINDS: &[(FourCc, &[u32])] = &[
     (FINE_STARTS, &[4]),
     (RASTER, &[64]),
     (HALF_RASTER, &[64]),
+    (PYRAMID_ROOT, &[16]),
+    (PYRAMID_NODES, &[64]),
+    (LOBE_INDEX, &[12]),
+    (LOBES, &[84]),
+    (LOBE_SLOPES, &[128]),
+    (WIDE_LOBES, &[128]),
+    (WIDE_LOBE_SLOPES, &[256]),
+    (LOBE_MOMENTS, &[244]),
 ];
 
 /// The element sizes a section of `kind` may have, or `None` if this version does not know the kind.

@@ -84,18 +84,8 @@ impl<'a> ClusterTree<'a> {
     /// # Errors
     /// As [`open`](Self::open), and if no instance stores it.
     pub fn of_map(container: &Container<'a>, instance: &Instance) -> Result<Self, Finding> {
-        if let Some(own) = Self::open(container, instance)? {
-            return Ok(own);
-        }
-        for other in container.instances() {
-            let other = other?;
-            let same = (other.layer, other.method) == (instance.layer, instance.method)
-                && (other.width, other.height) == (instance.width, instance.height);
-            if same && let Some(tree) = Self::open(container, &other)? {
-                return Ok(tree);
-            }
-        }
-        Err(Finding::new(Fault::SectionMissing).within(instance.section(NODES)))
+        super::of_map(container, instance, Self::open)?
+            .ok_or(Finding::new(Fault::SectionMissing).within(instance.section(NODES)))
     }
 
     /// Level `number`; the last one for numbers beyond.

@@ -77,19 +77,8 @@ impl<'a> Pyramid<'a> {
     /// # Errors
     /// As [`open`](Self::open), and if no instance stores it.
     pub fn of_map(container: &Container<'a>, instance: &Instance) -> Result<Self, Finding> {
-        if let Some(own) = Self::open(container, instance)? {
-            return Ok(own);
-        }
-        for other in container.instances() {
-            let other = other?;
-            let same = (other.layer, other.method, other.structure)
-                == (instance.layer, instance.method, instance.structure)
-                && (other.width, other.height) == (instance.width, instance.height);
-            if same && let Some(pyramid) = Self::open(container, &other)? {
-                return Ok(pyramid);
-            }
-        }
-        Err(Finding::new(Fault::SectionMissing).within(instance.section(MEANS)))
+        super::of_map(container, instance, Self::open)?
+            .ok_or(Finding::new(Fault::SectionMissing).within(instance.section(MEANS)))
     }
 
     /// The cells of `level`.

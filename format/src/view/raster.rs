@@ -59,18 +59,7 @@ impl<'a> Raster<'a> {
     /// # Errors
     /// As [`open`](Self::open).
     pub fn of_map(container: &Container<'a>, instance: &Instance) -> Result<Option<Self>, Finding> {
-        if let Some(own) = Self::open(container, instance)? {
-            return Ok(Some(own));
-        }
-        for other in container.instances() {
-            let other = other?;
-            let same = (other.layer, other.method) == (instance.layer, instance.method)
-                && (other.width, other.height) == (instance.width, instance.height);
-            if same && let Some(raster) = Self::open(container, &other)? {
-                return Ok(Some(raster));
-            }
-        }
-        Ok(None)
+        super::of_map(container, instance, Self::open)
     }
 
     /// The place in [`blocks`](Self::blocks) of the block in `column` and `row` of blocks.

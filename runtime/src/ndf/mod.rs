@@ -4,9 +4,11 @@
 
 mod batch;
 mod bin_weights;
+mod box_pyramid;
 mod cluster_tree;
 mod flake_bins;
 mod lean;
+mod lobes;
 mod specular_bins;
 
 pub use batch::{BatchError, Queries};
@@ -14,6 +16,7 @@ pub use bin_weights::{DEFAULT_TOLERANCE, Lookup};
 pub use cluster_tree::{Accuracy, Bounded, ClusterTree};
 pub use flake_bins::{FlakeBins, Setting};
 pub use lean::{Lean, Lobe};
+pub use lobes::Lobes;
 pub use specular_bins::SpecularBins;
 
 use crate::error::QueryError;
@@ -130,6 +133,8 @@ pub enum SurfaceNdf<'a> {
     Lean(Lean<'a>),
     /// Moments of clusters in a tree over positions and normals, ours.
     ClusterTree(ClusterTree<'a>),
+    /// Gaussian lobes of position and normal, \[YHMR16\].
+    Lobes(Lobes<'a>),
 }
 
 impl<'a> SurfaceNdf<'a> {
@@ -143,6 +148,8 @@ impl<'a> SurfaceNdf<'a> {
             Method::SpecularBins => Self::SpecularBins(SpecularBins::open(container, instance)?),
             Method::Lean => Self::Lean(Lean::open(container, instance)?),
             Method::ClusterTree => Self::ClusterTree(ClusterTree::open(container, instance)?),
+            Method::Lobes => Self::Lobes(Lobes::open(container, instance)?),
+            Method::Analytic => return Err(QueryError::SettingUnsupported(Method::Analytic)),
         })
     }
 
@@ -157,6 +164,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::SpecularBins(_) => Err(QueryError::SettingUnsupported(Method::SpecularBins)),
             Self::Lean(_) => Err(QueryError::SettingUnsupported(Method::Lean)),
             Self::ClusterTree(_) => Err(QueryError::SettingUnsupported(Method::ClusterTree)),
+            Self::Lobes(_) => Err(QueryError::SettingUnsupported(Method::Lobes)),
         }
     }
 
@@ -164,7 +172,9 @@ impl<'a> SurfaceNdf<'a> {
     pub fn setting_name(&self) -> &'static str {
         match self {
             Self::FlakeBins(ndf) => ndf.setting().name(),
-            Self::SpecularBins(_) | Self::Lean(_) | Self::ClusterTree(_) => "default",
+            Self::SpecularBins(_) | Self::Lean(_) | Self::ClusterTree(_) | Self::Lobes(_) => {
+                "default"
+            }
         }
     }
 
@@ -176,6 +186,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::SpecularBins(ndf) => ndf.how.filter = filter,
             Self::Lean(ndf) => ndf.filter = filter,
             Self::ClusterTree(ndf) => ndf.filter = filter,
+            Self::Lobes(ndf) => ndf.filter = filter,
         }
         self
     }
@@ -195,7 +206,7 @@ impl<'a> SurfaceNdf<'a> {
         match &mut self {
             Self::FlakeBins(ndf) => ndf.how.tolerance = tolerance,
             Self::SpecularBins(ndf) => ndf.how.tolerance = tolerance,
-            Self::Lean(_) | Self::ClusterTree(_) => {}
+            Self::Lean(_) | Self::ClusterTree(_) | Self::Lobes(_) => {}
         }
         self
     }
@@ -207,6 +218,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::SpecularBins(ndf) => ndf.how.filter,
             Self::Lean(ndf) => ndf.filter(),
             Self::ClusterTree(ndf) => ndf.filter(),
+            Self::Lobes(ndf) => ndf.filter(),
         }
     }
 
@@ -216,6 +228,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::SpecularBins(ndf) => ndf,
             Self::Lean(ndf) => ndf,
             Self::ClusterTree(ndf) => ndf,
+            Self::Lobes(ndf) => ndf,
         }
     }
 }

@@ -1,0 +1,448 @@
+//! Sums over the lobes that a footprint and a half vector reach.
+
+use super::frame::Frame;
+use super::placed::{POSITION_VARIANCE, Placed};
+use super::term::{BlockFrame, BlockLanes, Term, plane};
+use crate::error::QueryError;
+use crate::lanes::{LANES, Lanes};
+use crate::ndf::box_pyramid::{Cell, Query, Visitor, walk};
+use crate::simd::{Work, fetch};
+use core::ops::Range;
+use glintbake_format::model::PYRAMID_SIDE;
+use glintbake_format::records::{LobeBlock, LobeSlopes};
+use glintbake_format::view::{Lobes, LobesOfBlock, PyramidBox};
+
+/// Standard deviations, of position and normal together, that a lobe reaches. What lies beyond is `exp(-5² / 2)` of a lobe's peak
+/// at most, 4e-6, and 5e-5 of all that lobes have. Boxes of the pyramid are made for this reach.
+pub(super) const REACH: f64 = 5.0;
+
+/// The greatest diagonal of the box of normals of a cell that counts as one lobe, squared, in squared deviations of the kernel.
+const NARROW: f64 = 0.16;
+
+/// The greatest squared side of such a cell, in least variances of its lobe's total position covariance.
+const SMALL: f64 = 0.35;
+
+/// Most levels of cells.
+const LEVELS: usize = 9;
+
+/// Blocks that wait for memory.
+const PENDING: usize = 16;
+
+/// Who adds up.
+pub(super) trait Sink {
+    /// Whether each lobe is wanted by itself.
+    const EACH: bool;
+
+    /// So much of the density, in units of `1 / 2π` of the kernel's variance.
+    fn add(&mut self, amount: f64);
+
+    /// A lobe, or a cell as one, that weighs `weight` with its distance of positions.
+    fn term(&mut self, term: &Term, weight: f64);
+}
+
+/// The sum of a query's terms.
+pub(super) struct Total(pub f64);
+
+impl Sink for Total {
+    const EACH: bool = false;
+
+    #[inline(always)]
+    fn add(&mut self, amount: f64) {
+        self.0 += amount;
+    }
+
+    #[inline(always)]
+    fn term(&mut self, _: &Term, _: f64) {}
+}
+
+/// A query, and what it has found so far.
+pub(super) struct Gather<'q, S> {
+    pub lobes: &'q Lobes<'q>,
+    pub placed: &'q Placed,
+    pub normal: [f64; 2],
+    /// σr.
+    pub sigma: f64,
+    pub sink: S,
+}
+
+impl<S: Sink> Gather<'_, S> {
+    /// Visits every copy of the map that the footprint reaches.
+    ///
+    /// # Errors
+    /// [`QueryError::Damaged`].
+    #[inline(always)]
+    fn copies(self) -> Result<S, QueryError> {
+        let frame = Frame::of_lobes(self.placed);
+        let [width, height] = self.placed.size;
+        let least = self.placed.least_variance();
+        let levels = core::array::from_fn(|level| {
+            let side = f64::from(4_u32.wrapping_pow(level as u32 + 1));
+            // A cell's lobes are a lattice of side², each of variance σh².
+            let variance = POSITION_VARIANCE + (side * side - 1.0) / 12.0;
+            (side * side <= SMALL * least).then(|| Frame::new(self.placed, variance))
+        });
+        let mut found = Found {
+            lobes: self.lobes,
+            block_frame: BlockFrame::new(&frame),
+            amplitude: frame.amplitude,
+            frame,
+            levels,
+            centre: self.placed.centre,
+            normal: self.normal,
+            sigma: self.sigma,
+            scale: 1.0 / self.sigma,
+            pending: [const { None }; PENDING],
+            count: 0,
+            sink: self.sink,
+        };
+        let copies = Copies::new(self.placed, &found.frame);
+        for row in copies.rows.clone() {
+            for column in copies.columns(row) {
+                found.centre = [
+                    self.placed.centre[0] - column as f64 * width,
+                    self.placed.centre[1] - row as f64 * height,
+                ];
+                let query = Query {
+                    centre: found.centre,
+                    whiten: found.frame.whiten,
+                    normal: self.normal,
+                    scale: found.scale,
+                    reach_squared: REACH * REACH,
+                };
+                walk(&self.lobes.pyramid, &query, &mut found)?;
+                found.drain()?;
+            }
+        }
+        Ok(found.sink)
+    }
+}
+
+impl<S: Sink> Work for Gather<'_, S> {
+    type Output = Result<S, QueryError>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        self.copies()
+    }
+}
+
+/// The copies of a repeating map that a footprint reaches; of a clamped one, the map.
+struct Copies {
+    rows: Range<i64>,
+    placed: Placed,
+    whiten: [f64; 3],
+}
+
+impl Copies {
+    fn new(placed: &Placed, frame: &Frame) -> Self {
+        let reach = REACH * libm::sqrt(frame.total[1]);
+        let rows = span(
+            placed.centre[1] - reach,
+            placed.centre[1] + reach,
+            placed.size[1],
+        );
+        Self {
+            rows: if placed.even[1] || !placed.is_repeated {
+                0..1
+            } else {
+                rows
+            },
+            placed: *placed,
+            whiten: frame.whiten,
+        }
+    }
+
+    /// The columns of copies in `row` that the ellipse of reach meets.
+    fn columns(&self, row: i64) -> Range<i64> {
+        let Placed {
+            centre,
+            size,
+            even,
+            is_repeated,
+            ..
+        } = self.placed;
+        if even[0] || !is_repeated {
+            return 0..1;
+        }
+        let [a, b, c] = self.whiten;
+        // Rows of the copy, from the centre and within reach.
+        let limit = if c > 0.0 { REACH / c } else { 0.0 };
+        let low = (row as f64 * size[1] - centre[1]).clamp(-limit, limit);
+        let high = ((row + 1) as f64 * size[1] - centre[1]).clamp(-limit, limit);
+        let middle = |y: f64| centre[0] - b / a * y;
+        let (first, last) = (middle(low).min(middle(high)), middle(low).max(middle(high)));
+        span(first - REACH / a, last + REACH / a, size[0])
+    }
+}
+
+/// The tiles of `side` that the interval meets.
+fn span(low: f64, high: f64, side: f64) -> Range<i64> {
+    let first = libm::floor(low / side) as i64;
+    let last = libm::floor(high / side) as i64;
+    first..last.saturating_add(1)
+}
+
+/// A block that has been found.
+struct Pending<'q> {
+    stored: LobesOfBlock<'q>,
+    column: u32,
+    row: u32,
+    parent: usize,
+    child: u32,
+    bounds: PyramidBox,
+}
+
+struct Found<'q, S> {
+    lobes: &'q Lobes<'q>,
+    frame: Frame,
+    block_frame: BlockFrame,
+    amplitude: f64,
+    /// For each level whose cells may count as one lobe, that lobe's frame.
+    levels: [Option<Frame>; LEVELS],
+    /// The footprint's centre over this copy of the map.
+    centre: [f64; 2],
+    normal: [f64; 2],
+    sigma: f64,
+    scale: f64,
+    pending: [Option<Pending<'q>>; PENDING],
+    count: usize,
+    sink: S,
+}
+
+impl<S: Sink> Visitor for Found<'_, S> {
+    #[inline(always)]
+    fn cell(&mut self, cell: &Cell) -> Result<bool, QueryError> {
+        if let Some(Some(frame)) = self.levels.get(cell.level as usize) {
+            let [across, down] = cell.bounds.extent().map(|side| side * self.scale);
+            if across * across + down * down <= NARROW && self.is_whole(cell) {
+                let frame = *frame;
+                self.whole(cell, &frame)?;
+                return Ok(true);
+            }
+        }
+        if cell.level > 0 {
+            return Ok(false);
+        }
+        let stored = self.lobes.block(cell.parent, cell.child)?;
+        match stored {
+            LobesOfBlock::Narrow(block, slopes) => {
+                fetch(block);
+                fetch(&block.t[LANES - 1]);
+                if let Some(slopes) = slopes {
+                    fetch(slopes);
+                    fetch(&slopes.t_x);
+                }
+            }
+            LobesOfBlock::Wide(block, slopes) => {
+                fetch(&block.s);
+                fetch(&block.t);
+                if let Some(slopes) = slopes {
+                    fetch(&slopes.s_x);
+                    fetch(&slopes.s_y);
+                    fetch(&slopes.t_x);
+                    fetch(&slopes.t_y);
+                }
+            }
+            LobesOfBlock::Merged => {}
+        }
+        if let Some(place) = self.pending.get_mut(self.count) {
+            *place = Some(Pending {
+                stored,
+                column: cell.column,
+                row: cell.row,
+                parent: cell.parent,
+                child: cell.child,
+                bounds: cell.bounds,
+            });
+        }
+        self.count = self.count.wrapping_add(1);
+        if self.count >= PENDING {
+            self.drain()?;
+        }
+        Ok(true)
+    }
+}
+
+impl<S: Sink> Found<'_, S> {
+    /// Whether every lobe of `cell` is on the lattice.
+    #[inline(always)]
+    fn is_whole(&self, cell: &Cell) -> bool {
+        let [columns, rows] = self.lobes.pyramid.layout.cells();
+        let shift = (cell.level.wrapping_add(1).wrapping_mul(2)) & 31;
+        let end = |place: u32| u64::from(place.wrapping_add(1)) << shift;
+        end(cell.column) <= u64::from(columns) && end(cell.row) <= u64::from(rows)
+    }
+
+    /// Counts `cell` as one lobe.
+    #[inline(always)]
+    fn whole(&mut self, cell: &Cell, frame: &Frame) -> Result<(), QueryError> {
+        let side = f64::from(1_u32 << (cell.level.wrapping_add(1).wrapping_mul(2) & 31));
+        let one = self.lobes.cell(cell.parent, cell.child, &cell.bounds)?;
+        let offset = [
+            self.centre[0] - (f64::from(cell.column) + 0.5) * side,
+            self.centre[1] - (f64::from(cell.row) + 0.5) * side,
+        ];
+        let variance = self.sigma * self.sigma;
+        let [ss, st, tt] = one.residual;
+        let term = Term::new(frame, offset, &one.lobe, [ss + variance, st, tt + variance]);
+        self.one(&term, frame.amplitude * side * side);
+        Ok(())
+    }
+
+    /// Counts a lobe of which `amplitude` is the weight but for its distance of positions.
+    #[inline(always)]
+    fn one(&mut self, term: &Term, amplitude: f64) {
+        if S::EACH {
+            let weight = amplitude * libm::exp(-0.5 * term.position_squared);
+            self.sink.term(term, weight);
+        } else {
+            let (exponent, factor) = term.exponent(self.normal);
+            let variance = self.sigma * self.sigma;
+            self.sink
+                .add(amplitude * factor * variance * libm::exp(-exponent));
+        }
+    }
+
+    /// Adds up the blocks that wait.
+    #[inline(always)]
+    fn drain(&mut self) -> Result<(), QueryError> {
+        let count = core::mem::take(&mut self.count).min(PENDING);
+        for number in 0..count {
+            let Some(pending) = self.pending.get_mut(number).and_then(Option::take) else {
+                continue;
+            };
+            let first = [
+                self.centre[0] - f64::from(PYRAMID_SIDE * pending.column) - 0.5,
+                self.centre[1] - f64::from(PYRAMID_SIDE * pending.row) - 0.5,
+            ];
+            match pending.stored {
+                _ if S::EACH => self.each(&pending, first)?,
+                LobesOfBlock::Narrow(block, slopes) => {
+                    let lanes = self.narrow(block, slopes);
+                    self.add_block(&pending, &lanes, first, slopes.is_some());
+                }
+                LobesOfBlock::Wide(..) => self.each(&pending, first)?,
+                LobesOfBlock::Merged => {
+                    let cell = self
+                        .lobes
+                        .cell(pending.parent, pending.child, &pending.bounds)?
+                        .lobe;
+                    let [s, t] = cell.normal;
+                    let normal = [self.normal[0] - s, self.normal[1] - t];
+                    let is_curved = self.lobes.lattice.curved;
+                    let lanes = plane(
+                        normal.map(|x| (x * self.scale) as f32),
+                        cell.slope.map(|x| (x * self.scale) as f32),
+                        is_curved,
+                    );
+                    self.add_block(&pending, &lanes, first, is_curved);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn add_block(
+        &mut self,
+        pending: &Pending<'_>,
+        lanes: &BlockLanes,
+        offset: [f64; 2],
+        is_curved: bool,
+    ) {
+        let counts = self.counts(pending);
+        let p = self.frame.whitened(offset).map(|x| x as f32);
+        let sum = if is_curved {
+            self.block_frame.curved(lanes, p, &counts)
+        } else {
+            self.block_frame.flat(&lanes.s, &lanes.t, p, &counts)
+        };
+        self.sink.add(self.amplitude * f64::from(sum));
+    }
+
+    /// 1 for each lobe of a block that is on the lattice.
+    #[inline(always)]
+    fn counts(&self, pending: &Pending<'_>) -> Lanes {
+        let [columns, rows] = self.lobes.pyramid.layout.cells();
+        let x = columns.saturating_sub(PYRAMID_SIDE * pending.column);
+        let y = rows.saturating_sub(PYRAMID_SIDE * pending.row);
+        let mut counts = [1.0; LANES];
+        if x < PYRAMID_SIDE || y < PYRAMID_SIDE {
+            for (lane, count) in (0_u32..).zip(&mut counts) {
+                let is_there = lane % PYRAMID_SIDE < x && lane / PYRAMID_SIDE < y;
+                *count = if is_there { 1.0 } else { 0.0 };
+            }
+        }
+        counts
+    }
+
+    #[inline(always)]
+    #[expect(
+        clippy::indexing_slicing,
+        reason = "arrays of 16 by numbers below 16, which compilers see and checked indexing would hide from them"
+    )]
+    fn narrow(&self, block: &LobeBlock, slopes: Option<&LobeSlopes>) -> BlockLanes {
+        let relative = |axis: usize| {
+            let low = f64::from(block.low[axis].get());
+            ((self.normal[axis] - low) * self.scale) as f32
+        };
+        let (s, t) = (relative(0), relative(1));
+        let step = block
+            .step
+            .map(|step| (f64::from(step.get()) * self.scale) as f32);
+        let mut lanes = BlockLanes {
+            s: [0.0; LANES],
+            t: [0.0; LANES],
+            slope: [[0.0; LANES]; 4],
+        };
+        for lane in 0..LANES {
+            lanes.s[lane] = s - step[0] * f32::from(block.s[lane].get());
+            lanes.t[lane] = t - step[1] * f32::from(block.t[lane].get());
+        }
+        if let Some(slopes) = slopes {
+            let unit = (f64::from(block.slope_step.get()) * self.scale) as f32;
+            for lane in 0..LANES {
+                lanes.slope[0][lane] = unit * f32::from(slopes.s_x[lane].get());
+                lanes.slope[1][lane] = unit * f32::from(slopes.s_y[lane].get());
+                lanes.slope[2][lane] = unit * f32::from(slopes.t_x[lane].get());
+                lanes.slope[3][lane] = unit * f32::from(slopes.t_y[lane].get());
+            }
+        }
+        lanes
+    }
+
+    /// Counts the lobes of a block one by one, in f64.
+    #[inline(never)]
+    fn each(&mut self, pending: &Pending<'_>, first: [f64; 2]) -> Result<(), QueryError> {
+        let counts = self.counts(pending);
+        let variance = self.sigma * self.sigma;
+        for (number, count) in (0_u32..).zip(counts) {
+            if count == 0.0 {
+                continue;
+            }
+            let lobe = self
+                .lobes
+                .lobe(pending.parent, pending.child, number, &pending.bounds)?;
+            let offset = [
+                first[0] - f64::from(number % PYRAMID_SIDE),
+                first[1] - f64::from(number / PYRAMID_SIDE),
+            ];
+            let lobe = if self.lobes.lattice.curved {
+                lobe
+            } else {
+                // The plane of a merged block is where its flat lobes lie.
+                glintbake_format::view::LobeNormal {
+                    slope: [0.0; 4],
+                    ..lobe
+                }
+            };
+            let term = Term::new(&self.frame, offset, &lobe, [variance, 0.0, variance]);
+            if term.position_squared > 2.0 * REACH * REACH {
+                continue;
+            }
+            let amplitude = self.amplitude;
+            self.one(&term, amplitude);
+        }
+        Ok(())
+    }
+}
