@@ -148,7 +148,9 @@ impl From<QueryError> for CommandError {
             QueryError::SettingUnsupported(_)
             | QueryError::NotBaked { .. }
             | QueryError::NoSuchInstance(_) => Failure::NotBaked,
-            QueryError::KernelUnsupported(_) | QueryError::RoughnessRange { .. } => Failure::Usage,
+            QueryError::KernelUnsupported(_)
+            | QueryError::FilterUnsupported(_)
+            | QueryError::RoughnessRange { .. } => Failure::Usage,
             QueryError::Damaged(_) => Failure::Package,
         };
         Self::new(failure, error.to_string())

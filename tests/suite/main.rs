@@ -15,6 +15,7 @@ mod gaussian;
 mod golden;
 mod hostile;
 mod lean;
+mod lobes;
 mod masked_brdf;
 mod masking;
 mod opening;

@@ -41,7 +41,7 @@ fn all_weights(ndf: &FlakeBins<'_>, footprint: &Footprint) -> BTreeMap<(u32, u32
 fn flake_bins<'a>(package: &Package<'a>) -> FlakeBins<'a> {
     match package.ndf(1).expect("the fixture has an instance") {
         SurfaceNdf::FlakeBins(ndf) => ndf,
-        SurfaceNdf::SpecularBins(_) | SurfaceNdf::Lean(_) | SurfaceNdf::ClusterTree(_) => {
+        _ => {
             panic!("the fixture was baked for flake-bins")
         }
     }

@@ -205,6 +205,10 @@ impl SettingArgs {
             Structure::Clusters { .. } => {
                 format!("eps={}", self.eps.unwrap_or(Accuracy::DEFAULT))
             }
+            Structure::Lobes(lattice) => format!("lobes={}", lattice.per_side * lattice.per_side),
+            Structure::Surface { interpolation } => {
+                format!("interpolation={}", interpolation.name())
+            }
         };
         let description = format!(
             "method={} kernel={} filter={}{tolerance_said}{roughness} {structure} setting={}",

@@ -31,9 +31,12 @@ pub(super) fn bytes_per_texel(package: &Package<'_>, bytes: u64) -> f64 {
 
 /// One line about an instance.
 pub(super) fn instance(instance: &Instance) -> String {
-    // A tree answers for every roughness: what it has is what a query that names none gets.
+    // Trees, lobes and surfaces answer for every roughness: what it has is what a query that names none gets.
     let roughness = match (instance.roughness, instance.structure) {
-        (Some(alpha), Structure::Clusters { .. }) => {
+        (
+            Some(alpha),
+            Structure::Clusters { .. } | Structure::Lobes(_) | Structure::Surface { .. },
+        ) => {
             format!(", any roughness ({alpha} by default)")
         }
         (Some(alpha), _) => format!(", roughness {alpha}"),
@@ -53,6 +56,14 @@ pub(super) fn instance(instance: &Instance) -> String {
             format!("levels {finest_level} to {}", top(instance))
         }
         Structure::Clusters { kernel } => format!("kernel {} by default", kernel.name()),
+        Structure::Lobes(lattice) => {
+            let kind = if lattice.curved { "curved" } else { "flat" };
+            let count = lattice.per_side * lattice.per_side;
+            format!("{kind} lobes, {count} a texel")
+        }
+        Structure::Surface { interpolation } => {
+            format!("interpolation {}", interpolation.name())
+        }
     };
     format!(
         "instance {}: {} {} x {}{roughness}, {structure}, {}",
@@ -96,6 +107,13 @@ pub(super) fn instance_document(instance: &Instance) -> Value {
             "top-level": top(instance),
         }),
         Structure::Clusters { .. } => json!({}),
+        Structure::Lobes(lattice) => json!({
+            "curved": lattice.curved,
+            "lobes-per-texel": lattice.per_side * lattice.per_side,
+        }),
+        Structure::Surface { interpolation } => json!({
+            "interpolation": interpolation.name(),
+        }),
     };
     if let (Value::Object(document), Value::Object(structure)) = (&mut document, structure) {
         document.extend(structure);

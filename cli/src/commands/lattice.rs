@@ -3,7 +3,9 @@
 use super::{describe, open};
 use crate::args::{OpenArgs, QuerySettings};
 use crate::output::Console;
-use glintbake_format::model::{Binning, Method, intrinsic_from_beckmann};
+use glintbake_format::model::{
+    Binning, Interpolation, LobeLattice, Method, intrinsic_from_beckmann,
+};
 use glintbake_format::records::{Instance, Structure};
 use glintbake_runtime::Ndf;
 use serde_json::Value;
@@ -25,7 +27,12 @@ pub(super) fn warn(console: &Console, name: impl Display, metadata: &Value, inst
             let bin = 2.0 / f64::from(bins.grid.resolution());
             (step > bin).then(|| format!("the bins of roughness {alpha} ({bin:.5})"))
         }
-        Structure::Clusters { .. } => {
+        // Interpolated normals lie between the steps, but for what is not.
+        Structure::Lobes(LobeLattice { curved: true, .. })
+        | Structure::Surface {
+            interpolation: Interpolation::Linear | Interpolation::CatmullRom,
+        } => None,
+        Structure::Clusters { .. } | Structure::Lobes(_) | Structure::Surface { .. } => {
             let bridged = BRIDGED_STEP * intrinsic_from_beckmann(alpha);
             (step > bridged).then(|| format!("flakes of roughness {alpha} bridge ({bridged:.5})"))
         }

@@ -1,9 +1,10 @@
 //! A normal map from what a package holds of it.
 
 mod leaves;
+mod lobes;
 
 use glintbake_bake::normals::NormalMap;
-use glintbake_format::model::{BinGrid, HalfVector};
+use glintbake_format::model::{BinGrid, HalfVector, LobeLattice};
 use glintbake_format::records::Structure;
 use glintbake_format::view::{BinTables, ExactNormals, Pyramid};
 use glintbake_format::{Container, Fault, Finding};
@@ -19,7 +20,7 @@ const INSETS: [f64; 4] = [0.25, 1.0 / 64.0, 1.0 / 1024.0, 1.0 / 65_536.0];
 /// point nearest to the pole where the middle is beyond the rim. Its bin is the texel's bin again, so that a model over
 /// bins is that of the original map; a model of each texel's own normal is not. Of a pyramid the means of its level 0, to
 /// what they are stored in; `None` if it begins above that, for then it holds no texel's normal. Of a cluster tree the normals of
-/// its leaves, which are what it answers for.
+/// its leaves, and of lobes, one a texel, theirs, which are what they answer for; `None` of four a texel, which lie between texels.
 ///
 /// # Errors
 /// If sections are missing or damaged, or a bin holds no direction.
@@ -32,6 +33,10 @@ pub fn normal_map(
         Structure::Pyramid { finest_level: 0 } => Some(from_means(container, instance)?),
         Structure::Pyramid { .. } => None,
         Structure::Clusters { .. } => Some(leaves::from_leaves(container, instance)?),
+        Structure::Lobes(LobeLattice { per_side: 1, .. }) => {
+            Some(lobes::from_lobes(container, instance)?)
+        }
+        Structure::Lobes(_) | Structure::Surface { .. } => None,
     };
     let Instance {
         width,
