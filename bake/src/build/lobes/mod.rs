@@ -20,7 +20,7 @@ use zerocopy::little_endian::{U16, U32};
 const REACH: f64 = 5.0;
 
 /// Most that 16 bits may move a normal, in deviations σr of the kernel.
-const MOST_ROUNDING: f64 = 2e-4;
+const MOST_ROUNDING: f64 = 5e-4;
 
 /// The steepest slope of a Gaussian of deviation 1 and peak 1: a normal moved by δ σr changes a density by at most so much δ.
 const STEEPEST: f64 = 0.606_530_659_712_633_4;

@@ -4,6 +4,7 @@
 pub mod exact_scan;
 pub mod paper_forest;
 pub mod parallelogram;
+pub mod plain_lobes;
 pub mod plain_scan;
 pub mod point_sampling;
 pub mod window;

@@ -9,7 +9,7 @@ use crate::ndf::box_pyramid::{Cell, Query, Visitor, walk};
 use crate::simd::{Work, fetch};
 use core::ops::Range;
 use glintbake_format::model::PYRAMID_SIDE;
-use glintbake_format::records::{LobeBlock, LobeSlopes};
+use glintbake_format::records::{LobeBlock, LobeSlopes, WideLobeBlock, WideLobeSlopes};
 use glintbake_format::view::{Lobes, LobesOfBlock, PyramidBox};
 
 /// Standard deviations, of position and normal together, that a lobe reaches. What lies beyond is `exp(-5² / 2)` of a lobe's peak
@@ -21,6 +21,10 @@ const NARROW: f64 = 0.16;
 
 /// The greatest squared side of such a cell, in least variances of its lobe's total position covariance.
 const SMALL: f64 = 0.35;
+
+/// Sides of the box of normals of a block, in deviations of the kernel, from which its lobes are summed in f64. In f32 a lobe is
+/// off by 6e-8 of the box, where 5 deviations are 1.5e-3 deviations here.
+const STIFF: f64 = 4000.0;
 
 /// Most levels of cells.
 const LEVELS: usize = 9;
@@ -321,6 +325,10 @@ impl<S: Sink> Found<'_, S> {
                     let lanes = self.narrow(block, slopes);
                     self.add_block(&pending, &lanes, first, slopes.is_some());
                 }
+                LobesOfBlock::Wide(block, slopes) if !self.is_stiff(&pending) => {
+                    let lanes = self.wide(block, slopes);
+                    self.add_block(&pending, &lanes, first, slopes.is_some());
+                }
                 LobesOfBlock::Wide(..) => self.each(&pending, first)?,
                 LobesOfBlock::Merged => {
                     let cell = self
@@ -340,6 +348,13 @@ impl<S: Sink> Found<'_, S> {
             }
         }
         Ok(())
+    }
+
+    /// Whether normals vary too much over a block for f32 to keep lobes apart.
+    #[inline(always)]
+    fn is_stiff(&self, pending: &Pending<'_>) -> bool {
+        let extent = pending.bounds.extent();
+        extent.iter().any(|side| side * self.scale > STIFF)
     }
 
     #[inline(always)]
@@ -406,6 +421,38 @@ impl<S: Sink> Found<'_, S> {
                 lanes.slope[1][lane] = unit * f32::from(slopes.s_y[lane].get());
                 lanes.slope[2][lane] = unit * f32::from(slopes.t_x[lane].get());
                 lanes.slope[3][lane] = unit * f32::from(slopes.t_y[lane].get());
+            }
+        }
+        lanes
+    }
+
+    #[inline(always)]
+    #[expect(
+        clippy::indexing_slicing,
+        reason = "arrays of 16 by numbers below 16, which compilers see and checked indexing would hide from them"
+    )]
+    fn wide(&self, block: &WideLobeBlock, slopes: Option<&WideLobeSlopes>) -> BlockLanes {
+        let scale = self.scale as f32;
+        let [s, t] = self.normal;
+        // What f32 leaves of the half vector, so that differences are exact to the stored numbers.
+        let (s_high, t_high) = (s as f32, t as f32);
+        let s_low = ((s - f64::from(s_high)) * self.scale) as f32;
+        let t_low = ((t - f64::from(t_high)) * self.scale) as f32;
+        let mut lanes = BlockLanes {
+            s: [0.0; LANES],
+            t: [0.0; LANES],
+            slope: [[0.0; LANES]; 4],
+        };
+        for lane in 0..LANES {
+            lanes.s[lane] = (s_high - block.s[lane].get()) * scale + s_low;
+            lanes.t[lane] = (t_high - block.t[lane].get()) * scale + t_low;
+        }
+        if let Some(slopes) = slopes {
+            for lane in 0..LANES {
+                lanes.slope[0][lane] = scale * slopes.s_x[lane].get();
+                lanes.slope[1][lane] = scale * slopes.s_y[lane].get();
+                lanes.slope[2][lane] = scale * slopes.t_x[lane].get();
+                lanes.slope[3][lane] = scale * slopes.t_y[lane].get();
             }
         }
         lanes
