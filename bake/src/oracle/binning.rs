@@ -1,8 +1,8 @@
 //! The picture of a normal distribution function by counting samples: the reference of \[YHJ*14\] Fig. 9.
 //!
 //! A sample is a place drawn from the Gaussian footprint, the normal of the piecewise-linear surface there, and a Gaussian of
-//! σr = α / √2 about it; beyond the rim it is no vector, and not counted. Nothing is shared with [`analytic`](super::analytic) but
-//! the words of the surface: this is the integral's meaning, and not its formula.
+//! σr = α / √2 about it; beyond the rim it is no vector, and not counted. It shares with [`analytic`](super::analytic) the vertices
+//! of the surface and the axes of the footprint, and nothing of the integral.
 
 use super::analytic::{FLOOR, footprint_axes};
 use super::double_double::DoubleDouble;
@@ -112,10 +112,10 @@ impl Binned {
                     let [s, t] = surface.normal(place[0], place[1]);
                     let [by_s, by_t] = numbers.normal_pair();
                     let drawn = [s + deviation * by_s, t + deviation * by_t];
-                    if drawn[0] * drawn[0] + drawn[1] * drawn[1] <= 1.0 {
-                        if let Some(pixel) = window.pixel(drawn) {
-                            counts[pixel].fetch_add(1, Ordering::Relaxed);
-                        }
+                    if drawn[0] * drawn[0] + drawn[1] * drawn[1] <= 1.0
+                        && let Some(pixel) = window.pixel(drawn)
+                    {
+                        counts[pixel].fetch_add(1, Ordering::Relaxed);
                     }
                 }
             });

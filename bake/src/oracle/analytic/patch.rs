@@ -9,11 +9,14 @@ use super::super::gauss_legendre::GaussLegendre;
 use super::super::gaussian::normal_between;
 use core::f64::consts::PI;
 
-/// Standard deviations beyond which a Gaussian counts as zero: 1e-18 of it lies further out on an axis.
-pub(super) const REACH: f64 = 9.0;
+/// Standard deviations beyond which a Gaussian counts as zero: it has fallen to 2e-22 of its peak.
+pub(super) const REACH: f64 = 10.0;
 
 /// Deviations along q below which error functions are integrated by nodes: their difference would lose digits.
 const SHORT: f64 = 0.05;
+
+/// Deviations along p up to which few nodes do.
+const NARROW: f64 = 0.25;
 
 /// Components of r: place along p and along q, normal along s and along t.
 type Residual = [f64; 4];
@@ -23,15 +26,15 @@ type Residual = [f64; 4];
 pub(super) struct Rules {
     /// Errs by about 1e-19 on a panel of one standard deviation.
     wide: GaussLegendre,
-    /// Errs as little on a piece of [`SHORT`].
-    short: GaussLegendre,
+    /// Errs by 1e-15 of the values themselves on panels of [`NARROW`], and less on pieces of [`SHORT`].
+    narrow: GaussLegendre,
 }
 
 impl Rules {
     pub(super) fn new() -> Self {
         Self {
             wide: GaussLegendre::new(10),
-            short: GaussLegendre::new(5),
+            narrow: GaussLegendre::new(5),
         }
     }
 }
@@ -72,8 +75,26 @@ impl Patch {
         }
     }
 
+    /// Whether [`REACH`] ends before any point of the polygon.
+    fn is_far(&self) -> bool {
+        let mut squared = 0.0;
+        for k in 0..4 {
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            for &[p, q] in &self.corners {
+                let value = self.at[k] + p * self.along_p[k] + q * self.along_q[k];
+                (low, high) = (low.min(value), high.max(value));
+            }
+            let distance = low.max(-high).max(0.0);
+            squared += distance * distance;
+        }
+        squared > REACH * REACH
+    }
+
     /// `∫ exp(-|r|² / 2) dp dq` over the polygon.
     pub(super) fn integral(&self, rules: &Rules) -> f64 {
+        if self.is_far() {
+            return 0.0;
+        }
         let mut ends: Vec<f64> = self.corners.iter().map(|corner| corner[0]).collect();
         ends.sort_unstable_by(f64::total_cmp);
         ends.dedup();
@@ -186,6 +207,7 @@ impl Strip {
         let [rest, change] = self.rest;
         let squares = dot(change, change);
         let mut cuts = Vec::new();
+        let mut quickest = libm::sqrt(squares);
         let mut step_around = |middle: f64, width: f64, from: f64, to: f64| {
             if width < to - from {
                 cuts.extend(
@@ -209,6 +231,7 @@ impl Strip {
         for side in [lower, upper] {
             let slope = self.rate * side.slope + self.foot[1];
             let start = self.rate * side.at(from) + self.foot[0] + self.foot[1] * from;
+            quickest = quickest.max(slope.abs());
             if slope != 0.0 {
                 step_around(from - start / slope, 1.0 / slope.abs(), from, to);
             }
@@ -217,7 +240,12 @@ impl Strip {
         cuts.sort_unstable_by(f64::total_cmp);
         let mut sum = 0.0;
         for panel in cuts.windows(2) {
-            for (p, length) in rules.wide.nodes(panel[0], panel[1]) {
+            let rule = if quickest * (panel[1] - panel[0]) < NARROW {
+                &rules.narrow
+            } else {
+                &rules.wide
+            };
+            for (p, length) in rule.nodes(panel[0], panel[1]) {
                 let mut square = 0.0;
                 for (x, y) in rest.iter().zip(change) {
                     square += (x + p * y) * (x + p * y);
@@ -243,7 +271,7 @@ impl Strip {
             libm::exp(-0.5 * z * z)
         };
         rules
-            .short
+            .narrow
             .nodes(from, to)
             .map(|(q, length)| length * bell(q))
             .sum()

@@ -3,7 +3,7 @@
 use crate::normals::NormalMap;
 use glintbake_format::model::{LobeLattice, Wrap};
 
-/// Lobe `index` of an axis, and its plane of normals along both axes.
+/// The plane of normals of one lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::oracle) struct Seed {
     /// The point (s, t) at the lobe's middle.
@@ -78,14 +78,18 @@ pub(in crate::oracle) fn seed(
         ];
     } else if lattice.curved {
         // The slope along one axis of a bilinear patch is the interpolation of its two sides' along the other.
-        for axis in 0..2 {
-            for (j, down) in rows {
-                slope[0][axis] +=
-                    down * (texel(columns[1].0, j)[axis] - texel(columns[0].0, j)[axis]);
+        let rise = |from: [f64; 2], to: [f64; 2], share: f64, sum: &mut [f64; 2]| {
+            for axis in 0..2 {
+                sum[axis] += share * (to[axis] - from[axis]);
             }
-            for (i, across) in columns {
-                slope[1][axis] += across * (texel(i, rows[1].0)[axis] - texel(i, rows[0].0)[axis]);
-            }
+        };
+        let [(left, _), (right, _)] = columns;
+        let [(above, _), (below, _)] = rows;
+        for (j, down) in rows {
+            rise(texel(left, j), texel(right, j), down, &mut slope[0]);
+        }
+        for (i, across) in columns {
+            rise(texel(i, above), texel(i, below), across, &mut slope[1]);
         }
     }
     Seed { normal, slope }

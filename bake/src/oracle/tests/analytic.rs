@@ -55,6 +55,33 @@ impl Brute<'_> {
         sum
     }
 
+    /// The surface's normal at the footprint's centre.
+    fn normal_at_centre(&self) -> [f64; 2] {
+        let (per_side, offset) = match self.interpolation {
+            Interpolation::None => (1.0, 0.0),
+            Interpolation::Linear => (1.0, 0.5),
+            Interpolation::CatmullRom => (4.0, 0.5),
+        };
+        let place = self.centre.map(|x| (x - offset) * per_side);
+        let [column, row] = place.map(|x| libm::floor(x) as i64);
+        if self.interpolation == Interpolation::None {
+            return self.texel(column, row);
+        }
+        let [x, y] = place.map(|x| x - libm::floor(x));
+        // Barycentric shares of the corners: the upper left and the lower right one are never both there.
+        let shares = if x + y < 1.0 {
+            [(0, 0, 1.0 - x - y), (1, 0, x), (0, 1, y)]
+        } else {
+            [(1, 1, x + y - 1.0), (0, 1, 1.0 - x), (1, 0, 1.0 - y)]
+        };
+        let mut sum = [0.0; 2];
+        for (right, down, share) in shares {
+            let vertex = self.vertex(column + right, row + down);
+            sum = [sum[0] + share * vertex[0], sum[1] + share * vertex[1]];
+        }
+        sum
+    }
+
     fn density(&self, h: HalfVector, roughness: f64) -> f64 {
         let entry = |i: usize, j: usize| {
             0.25 * (self.edges[0][i] * self.edges[0][j] + self.edges[1][i] * self.edges[1][j])
@@ -77,7 +104,7 @@ impl Brute<'_> {
             Interpolation::CatmullRom => (4.0, 0.5),
         };
         let spacing = 1.0 / per_side;
-        let reach = [xx, yy].map(|variance| 10.0 * libm::sqrt(variance));
+        let reach = [xx, yy].map(|variance| 12.0 * libm::sqrt(variance));
         let range = |axis: usize| {
             let cell = |place: f64| libm::floor((place - offset) * per_side) as i64;
             cell(self.centre[axis] - reach[axis])..=cell(self.centre[axis] + reach[axis])
@@ -104,25 +131,22 @@ impl Brute<'_> {
     }
 }
 
-/// The largest error at some half vectors about normals under the footprint, of the density or of 1e-4 of the kernel's peak.
+/// The largest relative error at some half vectors about normals under the footprint, of densities above 1e-10 of the kernel's
+/// peak, so that steep surfaces, whose densities are far below it, are held to their own.
 fn worst(brute: &Brute, roughness: f64) -> f64 {
     let footprint = in_texels(brute.map, brute.centre, brute.edges[0], brute.edges[1]);
     let prepared = Prepared::new(brute.map, &footprint, brute.interpolation);
-    let texel = brute.centre.map(|x| libm::floor(x - 0.5) as i64);
-    let [a, b, c, d] =
-        [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| brute.texel(texel[0] + i, texel[1] + j));
-    let mix = |shares: [f64; 4]| {
-        [0, 1].map(|k: usize| {
-            shares[0] * a[k] + shares[1] * b[k] + shares[2] * c[k] + shares[3] * d[k]
-        })
-    };
+    let middle = brute.normal_at_centre();
+    let texel = brute.centre.map(|x| libm::floor(x) as i64);
+    let own = brute.texel(texel[0], texel[1]);
+    let between = [0, 1].map(|k: usize| 0.5 * (own[k] + middle[k]));
     let mut error = 0.0_f64;
     for (n, moved) in [
-        (a, [0.0, 0.0]),
-        (d, [1.0, -2.0]),
-        (mix([0.0, 0.5, 0.5, 0.0]), [0.5, 0.0]),
-        (mix([0.2, 0.35, 0.45, 0.0]), [0.0, 0.0]),
-        (mix([0.0, 0.3, 0.3, 0.4]), [-3.0, 3.0]),
+        (middle, [0.0, 0.0]),
+        (middle, [1.0, -2.0]),
+        (own, [0.3, 0.4]),
+        (between, [0.5, 0.0]),
+        (between, [-3.0, 3.0]),
     ] {
         let h = HalfVector {
             s: n[0] + moved[0] * roughness,
@@ -134,7 +158,10 @@ fn worst(brute: &Brute, roughness: f64) -> f64 {
         let alpha = core::f64::consts::SQRT_2 * roughness;
         let (density, exact) = (prepared.ndf(h, alpha), brute.density(h, roughness));
         let peak = 1.0 / (2.0 * PI * roughness * roughness);
-        error = error.max((density - exact).abs() / exact.max(1e-4 * peak));
+        if moved == [0.0, 0.0] {
+            assert!(exact > 1e-9 * peak, "nothing of {exact} at the middle");
+        }
+        error = error.max((density - exact).abs() / exact.max(1e-10 * peak));
     }
     error
 }
@@ -170,18 +197,22 @@ fn every_interpolation_and_wrap_is_what_brute_force_finds() {
 #[test]
 fn footprints_of_any_size_and_shape_are_what_brute_force_finds() {
     let map = varied_map(6, 7, Wrap::Repeat);
-    for (edges, roughness, bound) in [
-        ([[1e-4, 0.0], [0.0, 1e-4]], 0.01, 1e-10),
-        ([[1e-4, 1e-4], [1e-5, 0.0]], 1e-4, 1e-9),
-        // A point and lines: as wide as the floor of a millionth of a texel. Brute force subtracts places here.
-        ([[0.0; 2]; 2], 0.02, 1e-8),
-        ([[1.0, 0.0], [0.0; 2]], 0.02, 1e-8),
-        ([[0.02, 0.05], [0.02, 0.05]], 0.05, 1e-8),
-        ([[0.0, 2.0], [1e-3, 0.0]], 0.02, 1e-10),
-        ([[6.0, 1.0], [-1.0, 4.0]], 0.1, 1e-11),
-        ([[6.0, 1.0], [0.06, 0.02]], 0.002, 1e-10),
+    for (edges, roughness) in [
+        ([[1e-4, 0.0], [0.0, 1e-4]], 0.01),
+        ([[1e-4, 1e-4], [1e-5, 0.0]], 1e-4),
+        // A point and lines: as wide as the floor of a millionth of a texel.
+        ([[0.0; 2]; 2], 0.02),
+        ([[1.0, 0.0], [0.0; 2]], 0.02),
+        ([[0.02, 0.05], [0.02, 0.05]], 0.05),
+        ([[0.0, 2.0], [1e-3, 0.0]], 0.02),
+        ([[4.0, 1.0], [-1.0, 3.0]], 0.1),
+        ([[6.0, 1.0], [0.06, 0.02]], 0.002),
     ] {
-        for centre in [[2.6, 3.2], [0.5, 0.5], [3.0, 2.5]] {
+        for centre in [[2.6, 3.2], [3.0, 2.5]]
+            .into_iter()
+            // On a diagonal, which matters where nothing else is seen.
+            .filter(|&centre| centre[0] < 3.0 || edges[0][0] < 0.1)
+        {
             let brute = Brute {
                 map: &map,
                 interpolation: Interpolation::Linear,
@@ -190,7 +221,7 @@ fn footprints_of_any_size_and_shape_are_what_brute_force_finds() {
             };
             let error = worst(&brute, roughness);
             assert!(
-                error < bound,
+                error < 1e-11,
                 "{edges:?} {roughness} at {centre:?}: {error}"
             );
         }
@@ -219,7 +250,7 @@ fn steep_folded_and_flat_surfaces_are_what_brute_force_finds() {
                     edges,
                 };
                 let error = worst(&brute, roughness);
-                assert!(error < 1e-9, "{texels:?} {roughness} {edges:?}: {error}");
+                assert!(error < 1e-11, "{texels:?} {roughness} {edges:?}: {error}");
             }
         }
     }
@@ -290,30 +321,27 @@ fn a_plane_of_normals_gives_one_gaussian() {
 fn a_constant_map_is_one_gaussian_whatever_the_footprint() {
     for wrap in [Wrap::Repeat, Wrap::Clamp] {
         let map = NormalMap::new(3, 2, wrap, vec![[0.25, -0.5]; 6]);
-        for alpha in [1e-4, 0.1, 1.0] {
-            for moved in [0.0, 1.0, 3.0] {
-                let h = HalfVector {
-                    s: 0.25,
-                    t: -0.5 + 0.1 * moved * alpha,
-                };
-                let distance = 0.1 * moved;
-                let expected = libm::exp(-distance * distance) / (PI * alpha * alpha);
-                for edges in [
-                    [[0.0; 2]; 2],
-                    [[1e-4, 0.0], [0.0, 1e-4]],
-                    [[192.0, 60.0], [1e-3, 2e-4]],
-                    [[192.0, 0.0], [0.0, 128.0]],
-                    [[24.0, 0.0], [0.0, 0.1]],
-                ] {
-                    for &interpolation in Interpolation::ALL {
-                        let footprint = in_texels(&map, [1.3, -7.0], edges[0], edges[1]);
-                        let density = Prepared::new(&map, &footprint, interpolation).ndf(h, alpha);
-                        // 1e-16 of (s, t) is 1e-12 deviations of the least kernel.
-                        assert!(
-                            (density / expected - 1.0).abs() < 2e-11,
-                            "{wrap:?} {interpolation:?} {edges:?} {alpha} {moved}: {density} {expected}"
-                        );
-                    }
+        for (alpha, moved) in [(1e-4, 0.0), (1e-4, 0.3), (0.1, 0.1), (1.0, 0.3)] {
+            let h = HalfVector {
+                s: 0.25,
+                t: -0.5 + moved * alpha,
+            };
+            let expected = libm::exp(-moved * moved) / (PI * alpha * alpha);
+            for edges in [
+                [[0.0; 2]; 2],
+                [[1e-4, 0.0], [0.0, 1e-4]],
+                [[48.0, 20.0], [1e-3, 2e-4]],
+                [[192.0, 0.0], [0.0, 128.0]],
+                [[24.0, 0.0], [0.0, 0.1]],
+            ] {
+                for &interpolation in Interpolation::ALL {
+                    let footprint = in_texels(&map, [1.3, -7.0], edges[0], edges[1]);
+                    let density = Prepared::new(&map, &footprint, interpolation).ndf(h, alpha);
+                    // 1e-16 of (s, t) is 1e-12 deviations of the least kernel.
+                    assert!(
+                        (density / expected - 1.0).abs() < 2e-11,
+                        "{wrap:?} {interpolation:?} {edges:?} {alpha} {moved}: {density} {expected}"
+                    );
                 }
             }
         }
@@ -385,16 +413,16 @@ fn a_clamped_map_from_far_away_is_its_border() {
 fn what_the_disk_holds_adds_up_to_one() {
     let mut random = Random(3);
     let texels = (0..12)
-        .map(|_| random.vector(0.4).map(|x| x as f32))
+        .map(|_| random.vector(0.25).map(|x| x as f32))
         .collect();
     let map = NormalMap::new(4, 3, Wrap::Repeat, texels);
     let footprint = in_texels(&map, [1.2, 2.2], [1.1, 0.4], [-0.3, 0.6]);
     for &interpolation in Interpolation::ALL {
         let prepared = Prepared::new(&map, &footprint, interpolation);
-        // Trapezoids of half a deviation: their sum over a Gaussian's convolution errs by 1e-34.
-        let alpha = 0.1;
-        let step = 0.05;
-        let count = 20;
+        // Squares of a deviation: their sum over a Gaussian's convolution errs by 2 exp(-2π²).
+        let alpha = 0.1 * core::f64::consts::SQRT_2;
+        let step = 0.1;
+        let count = 10;
         let mut sum = 0.0;
         for row in -count..count {
             for column in -count..count {
@@ -409,7 +437,7 @@ fn what_the_disk_holds_adds_up_to_one() {
             }
         }
         let energy = sum * step * step;
-        assert!((energy - 1.0).abs() < 1e-9, "{interpolation:?}: {energy}");
+        assert!((energy - 1.0).abs() < 2e-8, "{interpolation:?}: {energy}");
     }
     let prepared = Prepared::new(&map, &footprint, Interpolation::Linear);
     for outside in [[1.0 + 1e-12, 0.0], [f64::NAN, 0.0]] {

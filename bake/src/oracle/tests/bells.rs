@@ -3,7 +3,7 @@
 use super::super::gauss_legendre::GaussLegendre;
 
 /// Standard deviations beyond which a triangle counts as nothing.
-const REACH: f64 = 10.0;
+const REACH: f64 = 12.0;
 
 /// `∫ exp(-|r|² / 2)` over a triangle of `area`, r linear with the values `corners` at its corners.
 pub(super) fn bell_over_triangle<const N: usize>(corners: [[f64; N]; 3], area: f64) -> f64 {

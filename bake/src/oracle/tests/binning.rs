@@ -74,20 +74,20 @@ fn pictures_of_the_surface_are_its_integral() {
         (Wrap::Clamp, Interpolation::None),
     ] {
         let map = varied_map(5, 4, wrap);
-        let footprint = in_texels(&map, [4.1, 0.7], [0.8, 0.3], [-0.4, 1.1]);
-        let alpha = 0.06;
+        let footprint = in_texels(&map, [4.1, 0.7], [0.5, 0.2], [-0.3, 0.6]);
+        let alpha = 0.1;
         let window = Window {
             centre: [0.05, 0.0],
-            extent: 0.8,
-            side: 32,
+            extent: 0.6,
+            side: 12,
         };
         let binned = Binned::new(&map, &footprint, interpolation, alpha, window, 200_000, 1);
         let prepared = Prepared::new(&map, &footprint, interpolation);
-        let rule = GaussLegendre::new(4);
+        let rule = GaussLegendre::new(3);
         let half = 0.5 * window.pitch();
-        let probabilities: Vec<f64> = (0..32 * 32)
+        let probabilities: Vec<f64> = (0..12 * 12)
             .map(|k| {
-                let [s, t] = window.middle(k % 32, k / 32);
+                let [s, t] = window.middle(k % 12, k / 12);
                 let mut sum = 0.0;
                 for (s, width) in rule.nodes(s - half, s + half) {
                     for (t, height) in rule.nodes(t - half, t + half) {

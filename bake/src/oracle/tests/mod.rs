@@ -11,6 +11,7 @@ mod kernel;
 mod lean;
 mod limits;
 mod lobes;
+mod one_lobe;
 mod specular_bins;
 mod sweep;
 mod weights;
