@@ -1,8 +1,9 @@
 //! The picture of a normal distribution function by counting samples: the reference of \[YHJ*14\] Fig. 9.
 //!
-//! A sample is a place drawn from the Gaussian footprint, the normal of the piecewise-linear surface there, and a Gaussian of
-//! σr = α / √2 about it; beyond the rim it is no vector, and not counted. It shares with [`analytic`](super::analytic) the vertices
-//! of the surface and the axes of the footprint, and nothing of the integral.
+//! A sample is a place drawn from the Gaussian footprint, the normal of the piecewise-linear surface there, and a
+//! Gaussian of σr = α / √2 about it; beyond the rim it is no vector, and not counted. It shares with
+//! [`analytic`](super::analytic) the vertices of the surface and the axes of the footprint, and nothing of the
+//! integral.
 
 use super::analytic::{FLOOR, footprint_axes};
 use super::double_double::DoubleDouble;
@@ -77,7 +78,8 @@ pub struct Binned {
 impl Binned {
     /// `samples` samples of the surface of `map` under the Gaussian `footprint`, for Beckmann roughness `alpha`.
     ///
-    /// The same `seed` gives the same counts on any machine with any number of threads: each sample has its own numbers.
+    /// The same `seed` gives the same counts on any machine with any number of threads: each sample has its own
+    /// numbers.
     ///
     /// # Cost
     /// About 0.2 µs a sample on one thread.
@@ -126,7 +128,8 @@ impl Binned {
         }
     }
 
-    /// Density of each pixel per area of the disk, row-major from the top: the average of D over it, but for the samples' noise.
+    /// Density of each pixel per area of the disk, row-major from the top: the average of D over it, but for the
+    /// samples' noise.
     pub fn densities(&self) -> Vec<f64> {
         let pitch = self.window.pitch();
         let unit = 1.0 / (self.samples as f64 * pitch * pitch);

@@ -1,4 +1,5 @@
-//! The piecewise-linear surface of normals between the middles of texels \[YHJ*14\] §4, written out from its definition.
+//! The piecewise-linear surface of normals between the middles of texels \[YHJ*14\] §4, written out from its
+//! definition.
 
 use super::double_double::DoubleDouble;
 use super::texel_axis::TexelAxis;
@@ -8,8 +9,8 @@ use glintbake_format::model::{Interpolation, Wrap};
 
 /// Normals at the vertices of a grid, or, without interpolation, of whole texels.
 ///
-/// Vertex k of an axis stands at `offset + k / per_side` texels. A clamped map has the vertices `first..first + count` of an axis,
-/// and stays what it is beyond them; one that repeats has `count` vertices a tile.
+/// Vertex k of an axis stands at `offset + k / per_side` texels. A clamped map has the vertices `first..first + count`
+/// of an axis, and stays what it is beyond them; one that repeats has `count` vertices a tile.
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
     interpolation: Interpolation,

@@ -7,8 +7,8 @@ use crate::normals::NormalMap;
 use core::f64::consts::PI;
 use glintbake_format::model::{Footprint, Wrap};
 
-/// Variance added to the footprint along every direction, in texels²: a millionth of a texel is less than anyone can see, and
-/// points and lines have a density.
+/// Variance added to the footprint along every direction, in texels²: a millionth of a texel is less than anyone can
+/// see, and points and lines have a density.
 pub(in crate::oracle) const FLOOR: f64 = 1e-12;
 
 /// Which axes of the frame the footprint's weight depends on.
@@ -22,8 +22,8 @@ pub(super) enum Reach {
     Tile,
 }
 
-/// A Gaussian as `y ~ N(0, deviation²)` along the outer axis and `x ~ N(slope y, spread²)` along the inner, in texels; an
-/// axis on which nothing depends has a deviation of one texel.
+/// A Gaussian as `y ~ N(0, deviation²)` along the outer axis and `x ~ N(slope y, spread²)` along the inner, in texels;
+/// an axis on which nothing depends has a deviation of one texel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     pub(super) reach: Reach,
@@ -37,8 +37,8 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// The frame of `footprint`, whose axes over the map are `axes`; from a deviation of `even_tiles` tiles on the copies of the
-    /// map along a direction are integrated.
+    /// The frame of `footprint`, whose axes over the map are `axes`; from a deviation of `even_tiles` tiles on the
+    /// copies of the map along a direction are integrated.
     pub(super) fn new(
         map: &NormalMap,
         footprint: &Footprint,

@@ -1,18 +1,21 @@
 //! The integral over a piecewise-linear surface of normals \[YHJ*14\] eq. 6, by quadrature.
 //!
-//! `D(s) = ∫ N(u; c, Σp) N(n(u) - s; σr² I) du` over the endless plane, with Σp the footprint's covariance in texels and
-//! (1e-6 texel)² in every direction, and n as [`Interpolation`] says: vertices are at the middles of texels, or quarters of a texel
-//! apart with bicubic values, and n is linear on the two triangles of each square between four of them. Indices of *texels* wrap
-//! or are clamped, so that the bicubic surface of a clamped map is constant from one texel beyond its outermost middles on. Values
-//! are not clamped to the disk: what overshoots it has its density beyond the rim.
+//! `D(s) = ∫ N(u; c, Σp) N(n(u) - s; σr² I) du` over the endless plane, with Σp the footprint's covariance in texels
+//! and (1e-6 texel)² in every direction, and n as [`Interpolation`] says: vertices are at the middles of texels, or
+//! quarters of a texel apart with bicubic values, and n is linear on the two triangles of each square between four of
+//! them. Indices of *texels* wrap or are clamped, so that the bicubic surface of a clamped map is constant from one
+//! texel beyond its outermost middles on. Values are not clamped to the disk: what overshoots it has its density beyond
+//! the rim.
 //!
-//! In coordinates that make the footprint a unit Gaussian the integrand on a triangle is `exp(-|r|² / 2)` with a linear r of four
-//! components. It is integrated along one coordinate by error functions, along the other by Gauss-Legendre panels cut
-//! at the standard deviations of everything the integrand does, so that no peak within a triangle can be missed.
+//! In coordinates that make the footprint a unit Gaussian the integrand on a triangle is `exp(-|r|² / 2)` with a linear
+//! r of four components. It is integrated along one coordinate by error functions, along the other by Gauss-Legendre
+//! panels cut at the standard deviations of everything the integrand does, so that no peak within a triangle can be
+//! missed.
 //!
 //! *Copies of wide footprints.* Over evenly spaced copies the sum of a Gaussian is constant but for waves of
-//! `2 exp(-2π² σ²)`, σ in tiles. From σ = 1.25, which is 8e-14, one tile stands for all: for all copies if the footprint
-//! is that wide in every direction, for those along one axis if it is that wide along it at every place of the other.
+//! `2 exp(-2π² σ²)`, σ in tiles. From σ = 1.25, which is 8e-14, one tile stands for all: for all copies if the
+//! footprint is that wide in every direction, for those along one axis if it is that wide along it at every place of
+//! the other.
 
 mod frame;
 mod patch;
@@ -47,12 +50,13 @@ impl Prepared {
     /// The surface of `map` under the Gaussian `footprint`.
     ///
     /// # Accuracy
-    /// Densities above 1e-10 of the kernel's peak `1 / (2π σr²)` are within 2e-12 of themselves, for any footprint and roughness,
-    /// as brute force finds; parts further than 10 standard deviations from the footprint or the half vector are left out.
+    /// Densities above 1e-10 of the kernel's peak `1 / (2π σr²)` are within 2e-12 of themselves, for any footprint and
+    /// roughness, as brute force finds; parts further than 10 standard deviations from the footprint or the half vector
+    /// are left out.
     ///
     /// # Panics
-    /// If a number of the footprint is not finite, the map is empty, or the sum of the footprint's edges on an axis exceeds half
-    /// of [`MAX_SPAN_TILES`].
+    /// If a number of the footprint is not finite, the map is empty, or the sum of the footprint's edges on an axis
+    /// exceeds half of [`MAX_SPAN_TILES`].
     pub fn new(map: &NormalMap, footprint: &Footprint, interpolation: Interpolation) -> Self {
         Self::with_even_tiles(map, footprint, interpolation, EVEN_TILES)
     }
@@ -74,8 +78,8 @@ impl Prepared {
         }
     }
 
-    /// Density `D(h)` for Beckmann roughness `alpha` (σr = α / √2), per solid angle of h, which is that per area of the disk; 0
-    /// outside the closed unit disk.
+    /// Density `D(h)` for Beckmann roughness `alpha` (σr = α / √2), per solid angle of h, which is that per area of the
+    /// disk; 0 outside the closed unit disk.
     ///
     /// # Cost
     /// Cells of the surface within reach are compared with h one by one, 10 ns each; those within 10 σr of it take
@@ -271,8 +275,8 @@ impl Query<'_> {
         }
     }
 
-    /// The integral over a polygon about `place`, where the normal is `at` and has the slopes `slopes` along the outer and
-    /// the inner axis, with the corners `outline` from there.
+    /// The integral over a polygon about `place`, where the normal is `at` and has the slopes `slopes` along the outer
+    /// and the inner axis, with the corners `outline` from there.
     fn polygon(
         &self,
         place: [DoubleDouble; 2],

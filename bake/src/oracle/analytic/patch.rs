@@ -1,9 +1,9 @@
 //! The integral over one polygon on which the normal is linear.
 //!
-//! The exponent of the integrand is `-|r|² / 2`, where r = (place, normal less half vector) in standard deviations is linear
-//! in the coordinates (p, q) of the polygon. Along q, for any p, that is a Gaussian about the foot of the perpendicular:
-//! error functions between the polygon's sides. Along p what is left is integrated by Gauss-Legendre panels
-//! no wider than anything the integrand does, as the oracle's weights of texels are.
+//! The exponent of the integrand is `-|r|² / 2`, where r = (place, normal less half vector) in standard deviations is
+//! linear in the coordinates (p, q) of the polygon. Along q, for any p, that is a Gaussian about the foot of the
+//! perpendicular: error functions between the polygon's sides. Along p what is left is integrated by Gauss-Legendre
+//! panels no wider than anything the integrand does, as the oracle's weights of texels are.
 
 use super::super::gauss_legendre::GaussLegendre;
 use super::super::gaussian::normal_between;
@@ -49,8 +49,8 @@ pub(super) struct Patch {
 }
 
 impl Patch {
-    /// Leaves of the polygon what lies within [`REACH`] of the place, along the axes whose places count, and moves the origin
-    /// there.
+    /// Leaves of the polygon what lies within [`REACH`] of the place, along the axes whose places count, and moves the
+    /// origin there.
     pub(super) fn clip(&mut self) {
         for axis in 0..2 {
             let scale = [self.along_p[0], self.along_q[1]][axis];

@@ -1,20 +1,20 @@
 //! The plain sum over 4D Gaussian lobes of position and normal \[YHMR16\] \[TZX*22\].
 //!
-//! With `A = σh² I`, the footprint's covariance Σp, `S = A + Σp`, `K = A S⁻¹` and `Q = A S⁻¹ Σp`, all in texels, a lobe at
-//! `u_i` with the normal `s_i` and the slope `J_i` adds
+//! With `A = σh² I`, the footprint's covariance Σp, `S = A + Σp`, `K = A S⁻¹` and `Q = A S⁻¹ Σp`, all in texels, a lobe
+//! at `u_i` with the normal `s_i` and the slope `J_i` adds
 //!
 //! `w N(u_p; u_i, S) N(s; s_i + J_i K (u_p - u_i), σr² I + J_i Q J_iᵀ)`
 //!
 //! to `D(s)`, w being the square of the lobes' spacing. The raw sum is the papers'; normalised, it is divided by
 //! `Σ_i w N(u_p; u_i, S)` over the endless lattice. Terms are visited one by one, all copies of the map included.
 //!
-//! *Copies of wide footprints.* Over the copies of a lobe along a direction, u and s are jointly Gaussian, and the sum over
-//! evenly spaced u is its integral but for waves of `2 exp(-2π² σ²)`, σ the deviation of u along that direction *given s*,
-//! in tiles. Given s, u varies at least as Σp does: the law of u given s has the covariance
-//! `S - A Jᵀ (σr² I + J A Jᵀ)⁻¹ J A`, which is at least `S - A = Σp`. So where Σp is at least 1.5 tiles wide in every direction,
-//! all lobes weigh alike, with A in the place of Q and no shift, to 1e-19 of each term: `Q + K S Kᵀ = A`. Where only the
-//! deviation along one axis given the other is that wide, the copies along that axis are integrated, and
-//! `A - A e eᵀ A / S_ee` takes the place of Q, `A e eᵀ / S_ee` that of K, e being the other axis.
+//! *Copies of wide footprints.* Over the copies of a lobe along a direction, u and s are jointly Gaussian, and the sum
+//! over evenly spaced u is its integral but for waves of `2 exp(-2π² σ²)`, σ the deviation of u along that direction
+//! *given s*, in tiles. Given s, u varies at least as Σp does: its covariance is then
+//! `S - A Jᵀ (σr² I + J A Jᵀ)⁻¹ J A`, which is at least `S - A = Σp`. So where Σp is at least 1.5 tiles wide in every
+//! direction, all lobes weigh alike, with A in the place of Q and no shift, to 1e-19 of each term:
+//! `Q + K S Kᵀ = A`. Where only the deviation along one axis given the other is that wide, the copies along that axis
+//! are integrated, and `A - A e eᵀ A / S_ee` takes the place of Q, `A e eᵀ / S_ee` that of K, e being the other axis.
 
 pub(super) mod lattice;
 pub(super) mod position;
@@ -59,15 +59,15 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Every lobe of `lattice` within 9 standard deviations of the Gaussian `footprint`, the sum divided by that of all weights
-    /// if `normalised`.
+    /// Every lobe of `lattice` within 9 standard deviations of the Gaussian `footprint`, the sum divided by that of all
+    /// weights if `normalised`.
     ///
     /// # Accuracy
     /// Terms are right to about 1e-13 of the largest for any footprint, also points, lines and needles, and any slope.
     ///
     /// # Cost
-    /// Proportional to the lobes visited: those of the map within reach, with all copies unless the footprint is wide (see
-    /// the module); beyond the border of a clamped map a row of lobes costs at most as much as 300.
+    /// Proportional to the lobes visited: those of the map within reach, with all copies unless the footprint is wide
+    /// (see the module); beyond the border of a clamped map a row of lobes costs at most as much as 300.
     ///
     /// # Panics
     /// If a number of the footprint is not finite, the sum of its edges on an axis exceeds half of
@@ -336,8 +336,8 @@ impl Gather<'_> {
         self.spacing * rowwise * (tail + delta * bell * series)
     }
 
-    /// Adds the lobe at (column, row), which sees the map at `look` from its own middle, with a spread of position by its
-    /// columns and determinant.
+    /// Adds the lobe at (column, row), which sees the map at `look` from its own middle, with a spread of position by
+    /// its columns and determinant.
     fn add(&mut self, at: [i64; 2], weight: f64, look: [f64; 2], seen: ([[f64; 2]; 4], f64)) {
         let [column, row] = at;
         let outside = |axis: usize| !(0..self.count[axis]).contains(&at[axis]);

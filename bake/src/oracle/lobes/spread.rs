@@ -3,10 +3,11 @@
 use super::super::double_double::DoubleDouble;
 use core::f64::consts::PI;
 
-/// `J B Jᵀ` as `Σ g gᵀ`: a kernel's variance can be added to it, and the whole inverted, without any difference of large numbers.
+/// `J B Jᵀ` as `Σ g gᵀ`: a kernel's variance can be added to it, and the whole inverted, without any difference of
+/// large numbers.
 ///
-/// With `M = v I + Σ g gᵀ`, Cauchy and Binet give `det M = v² + v Σ |g|² + Σ_{k<l} (g_k × g_l)²`, and the adjugate gives
-/// `dᵀ M⁻¹ d = (v |d|² + Σ (g × d)²) / det M`.
+/// With `M = v I + Σ g gᵀ`, Cauchy and Binet give `det M = v² + v Σ |g|² + Σ_{k<l} (g_k × g_l)²`, and the adjugate
+/// gives `dᵀ M⁻¹ d = (v |d|² + Σ (g × d)²) / det M`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::oracle) struct Spread {
     parts: [[f64; 2]; 4],

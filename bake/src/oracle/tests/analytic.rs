@@ -131,8 +131,8 @@ impl Brute<'_> {
     }
 }
 
-/// The largest relative error at some half vectors about normals under the footprint, of densities above 1e-10 of the kernel's
-/// peak, so that steep surfaces, whose densities are far below it, are held to their own.
+/// The largest relative error at some half vectors about normals under the footprint, of densities above 1e-10 of the
+/// kernel's peak, so that steep surfaces, whose densities are far below it, are held to their own.
 fn worst(brute: &Brute, roughness: f64) -> f64 {
     let footprint = in_texels(brute.map, brute.centre, brute.edges[0], brute.edges[1]);
     let prepared = Prepared::new(brute.map, &footprint, brute.interpolation);

@@ -8,8 +8,8 @@ use crate::normals::NormalMap;
 use core::f64::consts::FRAC_1_SQRT_2;
 use glintbake_format::model::{HalfVector, Interpolation, Wrap};
 
-/// Pearson's statistic of counts against probabilities, over pixels where at least ten are expected; everything else is one more.
-/// In standard deviations from its mean.
+/// Pearson's statistic of counts against probabilities, over pixels where at least ten are expected; everything else is
+/// one more. In standard deviations from its mean.
 fn excess(binned: &Binned, probabilities: &[f64]) -> f64 {
     let samples = binned.samples as f64;
     let term = |count: f64, expected: f64| (count - expected) * (count - expected) / expected;
