@@ -28,6 +28,19 @@ pub enum Kind {
     /// The power spectrum is Gaussian too: heights d texels apart correlate as exp(−d²/(4·(8·`scale`)²)). Slopes are
     /// the field's own derivatives, Gaussian, with RMS length `roughness`.
     Waves,
+    /// A smooth, isotropic height field of exactly Gaussian power spectrum, with bumps about 18 · `scale` texels
+    /// across.
+    ///
+    /// The snail of \[YHJ*14\], section 7: amplitudes are given and phases random, summed by an inverse Fourier
+    /// transform; slopes are the sum's own derivatives. Heights d texels apart correlate as exp(−d²/(4·(4·`scale`)²)),
+    /// whatever the seed; slopes are nearly Gaussian, with RMS length `roughness`.
+    Spectrum,
+    /// A sea under wind along u: crests run along v, 128 · `scale` texels apart, with shorter waves of all directions.
+    ///
+    /// A Gaussian height field by inverse Fourier transform, of the JONSWAP spectrum (Hasselmann et al. 1973) with the
+    /// directional spreading of Hasselmann et al. 1980; waves shorter than eight texels fade. `roughness` is the RMS
+    /// length of the slope; a real sea's is 0.1 in a light breeze and 0.3 in a gale (Cox and Munk 1954).
+    Ocean,
     /// Leather: pebbles of about 22 · `scale` texels with creases between them, wrinkles and fine pores.
     ///
     /// `roughness` is the RMS length of the slope, `density` scales the number of pores.
@@ -44,6 +57,8 @@ pub const KINDS: &[Kind] = &[
     Kind::Scratches,
     Kind::Brushed,
     Kind::Waves,
+    Kind::Spectrum,
+    Kind::Ocean,
     Kind::Leather,
     Kind::Flat,
     Kind::Noise,
@@ -57,6 +72,8 @@ impl Kind {
             Self::Scratches => "scratches",
             Self::Brushed => "brushed",
             Self::Waves => "waves",
+            Self::Spectrum => "spectrum",
+            Self::Ocean => "ocean",
             Self::Leather => "leather",
             Self::Flat => "flat",
             Self::Noise => "noise",
@@ -77,6 +94,10 @@ impl Kind {
             Self::Scratches => "polished metal with fine grooves; roughness is the steepest slope",
             Self::Brushed => "brushed metal, streaks along u; roughness is the RMS slope",
             Self::Waves => "smooth Gaussian height field; roughness is the RMS slope",
+            Self::Spectrum => {
+                "height field of Gaussian spectrum by inverse FFT; roughness is RMS slope"
+            }
+            Self::Ocean => "wind waves running along u; roughness is the RMS slope",
             Self::Leather => "pebbled grain with creases and pores; roughness is the RMS slope",
             Self::Flat => "no relief; roughness is not used",
             Self::Noise => {
@@ -90,8 +111,8 @@ impl Kind {
         match self {
             Self::Flakes => 0.12,
             Self::Scratches => 0.6,
-            Self::Brushed => 0.2,
-            Self::Waves => 0.25,
+            Self::Brushed | Self::Ocean => 0.2,
+            Self::Waves | Self::Spectrum => 0.25,
             Self::Leather => 0.35,
             Self::Flat => 0.0,
             Self::Noise => 0.3,

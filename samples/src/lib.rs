@@ -30,24 +30,28 @@
 //! # Limits
 //!
 //! A texel is the value at its centre, not an average: features finer than two texels alias, as they do in a map
-//! rendered without filtering. Sides go up to [`MAX_SIDE`]; the generators need little beyond the 8 bytes a texel
-//! they return, the kinds built from heights a few bands of rows.
+//! rendered without filtering. Sides go up to [`MAX_SIDE`]; the generators need little beyond the 8 bytes a texel they
+//! return: the kinds built from heights a few bands of rows, `spectrum` and `ocean` one more byte a texel.
 #![deny(missing_docs)]
 
 mod brushed;
 mod cells;
 mod error;
 mod flakes;
+mod fourier;
 mod gaussian_field;
 mod gtr;
 mod kind;
 mod leather;
 mod noise;
+mod ocean;
 mod options;
 mod random;
 mod sample;
 mod scratches;
 mod slopes;
+mod spectral_field;
+mod spectrum;
 mod waves;
 
 #[cfg(test)]
@@ -79,6 +83,8 @@ pub fn generate(kind: Kind, options: &Options) -> Result<Sample, SampleError> {
         Kind::Scratches => scratches::fill(options, &mut normals),
         Kind::Brushed => brushed::fill(options, &mut normals),
         Kind::Waves => waves::fill(options, &mut normals),
+        Kind::Spectrum => spectrum::fill(options, &mut normals),
+        Kind::Ocean => ocean::fill(options, &mut normals),
         Kind::Leather => leather::fill(options, &mut normals),
         Kind::Flat => {}
         Kind::Noise => noise::fill(options, &mut normals),

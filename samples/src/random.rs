@@ -20,6 +20,8 @@ pub enum Stream {
     Pore = 8,
     Warp = 9,
     Noise = 10,
+    Phase = 11,
+    Swell = 12,
 }
 
 /// The finaliser of `SplitMix64`, "Mix13" of Stafford (2011): a bijection in which each input bit flips each output bit
@@ -50,6 +52,11 @@ impl Random {
             absorb(key, column),
             row,
         )))
+    }
+
+    /// The numbers of the wave with `wave` periods along (columns, rows) of the tile, under `key`.
+    pub fn of_wave(key: u64, wave: [i64; 2]) -> Self {
+        Self::at(key, wave[0] as u64, wave[1] as u64)
     }
 
     /// Uniform in [0, 1): the top 53 bits, so that every value is a multiple of 2⁻⁵³.

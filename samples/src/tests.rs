@@ -184,6 +184,8 @@ fn bytes_are_those_of_earlier_versions() {
         (Kind::Scratches, 0x969f_180b_110b_3221),
         (Kind::Brushed, 0xfc46_ff59_a2ab_4b69),
         (Kind::Waves, 0x0e81_e53b_34d2_640b),
+        (Kind::Spectrum, 0xbc7f_c49f_ce04_ebac),
+        (Kind::Ocean, 0x3026_3fe4_9877_bec1),
         (Kind::Leather, 0x0697_7fc1_84f6_f351),
         (Kind::Flat, 0x7573_3db3_c303_264d),
         (Kind::Noise, 0xcd63_42a6_844f_7785),
@@ -286,7 +288,13 @@ fn the_seam_is_like_the_interior() {
 
 #[test]
 fn reliefs_come_back_to_their_height_around_the_tile() {
-    for kind in [Kind::Brushed, Kind::Waves, Kind::Leather] {
+    for kind in [
+        Kind::Brushed,
+        Kind::Waves,
+        Kind::Spectrum,
+        Kind::Ocean,
+        Kind::Leather,
+    ] {
         let size = 512;
         let options = Options {
             scale: 8.0,
