@@ -11,6 +11,12 @@ pub enum Kind {
     /// a GTR distribution of exponent [`FLAKE_GAMMA`](crate::FLAKE_GAMMA) whose α is `roughness`; the wing mirror of
     /// \[AWKK21\], figure 1, is roughness 0.002.
     Flakes,
+    /// Metallic paint: cells of a Voronoi diagram, each with one normal.
+    ///
+    /// The flakes of \[YHJ*14\], section 7: centres are a maximal Poisson-disk sample, at least 4.7 · `scale` texels
+    /// apart, so that flakes are of even size, 32 · `scale`² texels on average. Normals are constant over a flake and
+    /// follow a Beckmann distribution of α = `roughness`.
+    Voronoi,
     /// Polished metal with many fine grooves, straight or slightly bent, in all directions.
     ///
     /// Grooves are 1.6 to 4 · `scale` texels wide and 40 to 400 · `scale` texels long, rounded at the bottom and at
@@ -54,6 +60,7 @@ pub enum Kind {
 /// Every kind, in the order `--help` lists them.
 pub const KINDS: &[Kind] = &[
     Kind::Flakes,
+    Kind::Voronoi,
     Kind::Scratches,
     Kind::Brushed,
     Kind::Waves,
@@ -69,6 +76,7 @@ impl Kind {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Flakes => "flakes",
+            Self::Voronoi => "voronoi",
             Self::Scratches => "scratches",
             Self::Brushed => "brushed",
             Self::Waves => "waves",
@@ -91,6 +99,9 @@ impl Kind {
             Self::Flakes => {
                 "car paint: overlapping flakes, one normal each; roughness is GTR alpha"
             }
+            Self::Voronoi => {
+                "metallic paint: even flakes, one normal each; roughness is Beckmann alpha"
+            }
             Self::Scratches => "polished metal with fine grooves; roughness is the steepest slope",
             Self::Brushed => "brushed metal, streaks along u; roughness is the RMS slope",
             Self::Waves => "smooth Gaussian height field; roughness is the RMS slope",
@@ -110,6 +121,7 @@ impl Kind {
     pub const fn default_roughness(self) -> f64 {
         match self {
             Self::Flakes => 0.12,
+            Self::Voronoi => 0.12,
             Self::Scratches => 0.6,
             Self::Brushed | Self::Ocean => 0.2,
             Self::Waves | Self::Spectrum => 0.25,

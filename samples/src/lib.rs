@@ -31,11 +31,13 @@
 //!
 //! A texel is the value at its centre, not an average: features finer than two texels alias, as they do in a map
 //! rendered without filtering. Sides go up to [`MAX_SIDE`]; the generators need little beyond the 8 bytes a texel they
-//! return: the kinds built from heights a few bands of rows, `spectrum` and `ocean` one more byte a texel.
+//! return: the kinds built from heights a few bands of rows, `spectrum` and `ocean` one more byte a texel, `voronoi`
+//! about 100 bytes a flake.
 #![deny(missing_docs)]
 
 mod brushed;
 mod cells;
+mod disk;
 mod error;
 mod flakes;
 mod fourier;
@@ -46,12 +48,14 @@ mod leather;
 mod noise;
 mod ocean;
 mod options;
+mod poisson_disk;
 mod random;
 mod sample;
 mod scratches;
 mod slopes;
 mod spectral_field;
 mod spectrum;
+mod voronoi;
 mod waves;
 
 #[cfg(test)]
@@ -80,6 +84,7 @@ pub fn generate(kind: Kind, options: &Options) -> Result<Sample, SampleError> {
     normals.resize(texel_count, [0.0; 2]);
     match kind {
         Kind::Flakes => flakes::fill(options, &mut normals),
+        Kind::Voronoi => voronoi::fill(options, &mut normals),
         Kind::Scratches => scratches::fill(options, &mut normals),
         Kind::Brushed => brushed::fill(options, &mut normals),
         Kind::Waves => waves::fill(options, &mut normals),

@@ -22,6 +22,8 @@ pub enum Stream {
     Noise = 10,
     Phase = 11,
     Swell = 12,
+    Centre = 13,
+    Facet = 14,
 }
 
 /// The finaliser of `SplitMix64`, "Mix13" of Stafford (2011): a bijection in which each input bit flips each output bit

@@ -181,6 +181,7 @@ fn bytes_are_those_of_earlier_versions() {
     // change these only together with a changelog entry.
     let known = [
         (Kind::Flakes, 0x6ff0_8916_e457_9a59),
+        (Kind::Voronoi, 0xa221_0c82_1fbb_fc74),
         (Kind::Scratches, 0x969f_180b_110b_3221),
         (Kind::Brushed, 0xfc46_ff59_a2ab_4b69),
         (Kind::Waves, 0x0e81_e53b_34d2_640b),
