@@ -44,8 +44,15 @@ const OCTAVES: &[Octave] = &[
 
 /// Fills `normals` with those of a Gaussian height field of long streaks, its RMS slope exactly `roughness`.
 pub fn fill(options: &Options, normals: &mut [[f32; 2]]) {
+    let fields = fields(options);
+    fill_slopes(&fields, options.width as usize, normals);
+    normalise(normals, options.width as usize, options.roughness);
+}
+
+/// The fields of streaks, each with the RMS slope it has in their sum, relative to the others'.
+pub fn fields(options: &Options) -> Vec<(f64, GaussianField)> {
     let size = [options.width, options.height];
-    let fields: Vec<_> = OCTAVES
+    OCTAVES
         .iter()
         .zip(0..)
         .map(|(octave, part)| {
@@ -53,9 +60,7 @@ pub fn fill(options: &Options, normals: &mut [[f32; 2]]) {
             let field = GaussianField::new(options.seed, Stream::Streak, part, size, sigma);
             (octave.slope, field)
         })
-        .collect();
-    fill_slopes(&fields, options.width as usize, normals);
-    normalise(normals, options.width as usize, options.roughness);
+        .collect()
 }
 
 #[cfg(test)]

@@ -29,6 +29,12 @@ pub enum Kind {
     /// A Gaussian height field of four octaves; streaks are 1 to 8 · `scale` texels thick and up to some hundred
     /// times as long. Slopes are Gaussian, `roughness` is the RMS length of the slope.
     Brushed,
+    /// Brushed metal with shallow round dents.
+    ///
+    /// The blender of \[YHJ*14\], figure 10: to the heights of [`Brushed`](Self::Brushed) those of dents are added, 12
+    /// to 48 · `scale` texels across and with walls about as steep as the brushing. `roughness` is the RMS length of
+    /// the slope of both together, `density` 1 covers about a fifth of the map.
+    Dents,
     /// A smooth, isotropic Gaussian height field, with bumps about 35 · `scale` texels across.
     ///
     /// The power spectrum is Gaussian too: heights d texels apart correlate as exp(−d²/(4·(8·`scale`)²)). Slopes are
@@ -63,6 +69,7 @@ pub const KINDS: &[Kind] = &[
     Kind::Voronoi,
     Kind::Scratches,
     Kind::Brushed,
+    Kind::Dents,
     Kind::Waves,
     Kind::Spectrum,
     Kind::Ocean,
@@ -79,6 +86,7 @@ impl Kind {
             Self::Voronoi => "voronoi",
             Self::Scratches => "scratches",
             Self::Brushed => "brushed",
+            Self::Dents => "dents",
             Self::Waves => "waves",
             Self::Spectrum => "spectrum",
             Self::Ocean => "ocean",
@@ -104,6 +112,7 @@ impl Kind {
             }
             Self::Scratches => "polished metal with fine grooves; roughness is the steepest slope",
             Self::Brushed => "brushed metal, streaks along u; roughness is the RMS slope",
+            Self::Dents => "brushed metal with shallow round dents; roughness is the RMS slope",
             Self::Waves => "smooth Gaussian height field; roughness is the RMS slope",
             Self::Spectrum => {
                 "height field of Gaussian spectrum by inverse FFT; roughness is RMS slope"
@@ -123,7 +132,7 @@ impl Kind {
             Self::Flakes => 0.12,
             Self::Voronoi => 0.12,
             Self::Scratches => 0.6,
-            Self::Brushed | Self::Ocean => 0.2,
+            Self::Brushed | Self::Dents | Self::Ocean => 0.2,
             Self::Waves | Self::Spectrum => 0.25,
             Self::Leather => 0.35,
             Self::Flat => 0.0,

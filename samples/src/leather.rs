@@ -13,6 +13,7 @@ use crate::{
     BAND_ROWS, Options,
     cells::{CellBlock, CellGrid},
     gaussian_field::{FieldBand, GaussianField, Jet, Stream},
+    hollow,
     random::{Random, key},
     slopes::normalise,
 };
@@ -61,7 +62,7 @@ const NEAR: f64 = 0.7;
 /// Position of a seed within its cell, both in (0, 1).
 type Seed = [f64; 2];
 
-/// A pore in its cell: h ∝ −(1 − d²/radius²)³ within its radius, so deep that `steepness` is its steepest slope.
+/// A pore in its cell: a hollow, so deep that `steepness` is its steepest slope.
 struct Pore {
     seed: Seed,
     radius: f64,
@@ -216,8 +217,6 @@ impl Leather {
 
     /// The slope of the pores at `point`, (∂h/∂column, ∂h/∂row).
     fn pore_slope(&self, pores: &CellBlock<Option<Pore>>, point: [f64; 2]) -> [f64; 2] {
-        /// Largest r (1 − r²)²: at r² = 1/5, (16/25)/√5.
-        const STEEPEST: f64 = 0.286_216_7;
         let mut slope = [0.0; 2];
         pores.visit_around(point, 1, |corner, pore| {
             let Some(pore) = pore else { return };
@@ -227,12 +226,8 @@ impl Leather {
                 (point[1] - corner[1] - pore.seed[1] * height) / pore.radius,
             ];
             // Radii are below half a cell: pores beyond the 3 × 3 cells do not reach here.
-            let inside = 1.0 - offset[0] * offset[0] - offset[1] * offset[1];
-            if inside > 0.0 {
-                let steep = pore.steepness * inside * inside / STEEPEST;
-                for (sum, x) in slope.iter_mut().zip(offset) {
-                    *sum += steep * x;
-                }
+            for (sum, x) in slope.iter_mut().zip(hollow::slope(offset, pore.steepness)) {
+                *sum += x;
             }
         });
         slope

@@ -37,12 +37,14 @@
 
 mod brushed;
 mod cells;
+mod dents;
 mod disk;
 mod error;
 mod flakes;
 mod fourier;
 mod gaussian_field;
 mod gtr;
+mod hollow;
 mod kind;
 mod leather;
 mod noise;
@@ -87,6 +89,7 @@ pub fn generate(kind: Kind, options: &Options) -> Result<Sample, SampleError> {
         Kind::Voronoi => voronoi::fill(options, &mut normals),
         Kind::Scratches => scratches::fill(options, &mut normals),
         Kind::Brushed => brushed::fill(options, &mut normals),
+        Kind::Dents => dents::fill(options, &mut normals),
         Kind::Waves => waves::fill(options, &mut normals),
         Kind::Spectrum => spectrum::fill(options, &mut normals),
         Kind::Ocean => ocean::fill(options, &mut normals),

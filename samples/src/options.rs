@@ -30,7 +30,7 @@ pub struct Options {
     pub scale: f64,
     /// Spread of normals, 0 (flat) to [`Kind::max_roughness`]; [`Kind`] says what the number is.
     pub roughness: f64,
-    /// Features per area as a multiple of the kind's own, 0 to [`MAX_DENSITY`]; scratches and leather's pores only.
+    /// Features per area as a multiple of the kind's own, 0 to [`MAX_DENSITY`]; scratches, dents and leather's pores only.
     pub density: f64,
 }
 

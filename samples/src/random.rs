@@ -24,6 +24,7 @@ pub enum Stream {
     Swell = 12,
     Centre = 13,
     Facet = 14,
+    Dent = 15,
 }
 
 /// The finaliser of `SplitMix64`, "Mix13" of Stafford (2011): a bijection in which each input bit flips each output bit

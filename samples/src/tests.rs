@@ -184,6 +184,7 @@ fn bytes_are_those_of_earlier_versions() {
         (Kind::Voronoi, 0xa221_0c82_1fbb_fc74),
         (Kind::Scratches, 0x969f_180b_110b_3221),
         (Kind::Brushed, 0xfc46_ff59_a2ab_4b69),
+        (Kind::Dents, 0x63ab_398d_0a97_9ee2),
         (Kind::Waves, 0x0e81_e53b_34d2_640b),
         (Kind::Spectrum, 0xbc7f_c49f_ce04_ebac),
         (Kind::Ocean, 0x3026_3fe4_9877_bec1),
@@ -291,6 +292,7 @@ fn the_seam_is_like_the_interior() {
 fn reliefs_come_back_to_their_height_around_the_tile() {
     for kind in [
         Kind::Brushed,
+        Kind::Dents,
         Kind::Waves,
         Kind::Spectrum,
         Kind::Ocean,
