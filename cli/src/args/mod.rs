@@ -107,7 +107,7 @@ pub struct SampleArgs {
     #[arg(long, value_name = "SPREAD", allow_negative_numbers = true)]
     pub roughness: Option<f64>,
 
-    /// Features per area, as a multiple of the kind's own; for scratches and the pores of leather
+    /// Features per area, as a multiple of the kind's own; for scratches, dents and the pores of leather
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
     pub density: Option<f64>,
 

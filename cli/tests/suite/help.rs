@@ -66,7 +66,9 @@ fn a_wrong_word_is_answered_with_the_right_ones() {
     workshop.refuses(
         2,
         &["sample", "flake", "-o", "new.png"],
-        &["flakes, scratches, brushed, waves, leather, flat, noise"],
+        &[
+            "flakes, voronoi, scratches, brushed, dents, waves, spectrum, ocean, leather, flat, noise",
+        ],
     );
     workshop.refuses(
         2,
