@@ -2,6 +2,7 @@
 //!
 //! One file per method, of the method's name; [`SurfaceNdf`] is the registry.
 
+mod analytic;
 mod batch;
 mod bin_weights;
 mod box_pyramid;
@@ -11,6 +12,7 @@ mod lean;
 mod lobes;
 mod specular_bins;
 
+pub use analytic::TriangleForm;
 pub use batch::{BatchError, Queries};
 pub use bin_weights::{DEFAULT_TOLERANCE, Lookup};
 pub use cluster_tree::{Accuracy, Bounded, ClusterTree};

@@ -1,0 +1,6 @@
+//! `analytic`.
+#![allow(dead_code, reason = "being built")]
+
+mod integral;
+
+pub use integral::TriangleForm;
