@@ -140,6 +140,15 @@ faults! {
     /// Moments that are not those of a block's lobes.
     LobeMoments = 3407, "the mean of a block of lobes is not that of its lobes";
 
+    /// A normal of a surface beyond the disk.
+    SurfaceNormal = 3501, "a normal of the surface is not a point of the unit disk";
+    /// A normal of a surface that is not in its box.
+    SurfaceBox = 3502, "a normal of the surface lies outside the box of its block";
+    /// The pixels of a global NDF have no place or size.
+    GlobalRoot = 3503, "the pixels of the global NDF have no place or no size";
+    /// Sums of a global NDF fall, or do not end with all.
+    GlobalOrder = 3504, "the sums of the global NDF fall, or do not end with the whole";
+
     /// The instance's numbers contradict themselves or this version.
     InstanceField = 4001, "an instance record has a value that this version does not allow";
     /// The instance is not numbered as its place demands.

@@ -1,5 +1,6 @@
 //! Recipes: what each method puts into a package. One file per method, of the method's name.
 
+mod analytic;
 mod bins;
 mod cluster_tree;
 mod flake_bins;
@@ -51,6 +52,7 @@ pub const REGISTRY: &[&dyn BakeMethod] = &[
     &lean::Lean,
     &cluster_tree::ClusterTree,
     &lobes::Lobes,
+    &analytic::Analytic,
 ];
 
 /// The baker of `method`.

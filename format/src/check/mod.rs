@@ -12,6 +12,7 @@ mod inverse_bin_map;
 mod lobes;
 mod masking;
 mod pyramid;
+mod surface;
 
 use crate::Container;
 use crate::finding::{Fault, Finding};
@@ -32,7 +33,10 @@ pub fn structure(container: &Container<'_>, report: &mut dyn FnMut(Finding)) {
                     Structure::Pyramid { .. } => pyramid::check(container, &instance, report),
                     Structure::Clusters { .. } => clusters::check(container, &instance, report),
                     Structure::Lobes(_) => lobes::check(container, &instance, report),
-                    Structure::Surface { .. } => box_pyramid::check(container, &instance, report),
+                    Structure::Surface { .. } => {
+                        box_pyramid::check(container, &instance, report);
+                        surface::check(container, &instance, report);
+                    }
                 }
                 masking::check(container, &instance, report);
             }

@@ -29,4 +29,4 @@ pub use masking::{MaskingGrid, MaskingPlace};
 pub use method::{Kernel, METHODS, Method, beckmann_from_intrinsic, intrinsic_from_beckmann};
 pub use normal::HalfVector;
 pub use pyramid::PyramidLayout;
-pub use surface::{Interpolation, LobeLattice};
+pub use surface::{CATMULL_ROM, CATMULL_ROM_PARTS, Interpolation, LobeLattice};

@@ -39,6 +39,23 @@ impl Interpolation {
     }
 }
 
+/// Parts along a side of a square between middles, under [`Interpolation::CatmullRom`].
+pub const CATMULL_ROM_PARTS: usize = 4;
+
+/// Weights of four texels in a row at 0, 1/4, … 1 of the way from the second to the third: Catmull and Rom's cubic of tension ½.
+pub const CATMULL_ROM: [[f64; 4]; CATMULL_ROM_PARTS + 1] = {
+    const fn at(x: f64) -> [f64; 4] {
+        let (square, cube) = (x * x, x * x * x);
+        [
+            0.5 * (2.0 * square - x - cube),
+            0.5 * (2.0 - 5.0 * square + 3.0 * cube),
+            0.5 * (x + 4.0 * square - 3.0 * cube),
+            0.5 * (cube - square),
+        ]
+    }
+    [at(0.0), at(0.25), at(0.5), at(0.75), at(1.0)]
+};
+
 /// The lattice of lobes that stands for a map of smooth normals.
 ///
 /// Lobes are Gaussians of position, of standard deviation [`LobeLattice::DEVIATION`] times their spacing, and of normals about

@@ -9,6 +9,7 @@ mod lobes;
 mod masking;
 mod pyramid;
 mod raster;
+mod surface;
 
 pub use bins::{BoxRecord, ExactNormal, ForestNode, TexelPosition};
 pub use blocks::{ListStart, PageRecord, TileRecord};
@@ -21,6 +22,7 @@ pub use lobes::{LobeBlock, LobeIndex, LobeMoments, LobeSlopes, WideLobeBlock, Wi
 pub use masking::MaskingValue;
 pub use pyramid::{NarrowMean, SpreadRecord, WideMean};
 pub use raster::{RASTER_SIDE, RasterBlock, RasterLattice, pack_raster, unpack_raster};
+pub use surface::SurfaceNormal;
 
 use crate::section::FourCc;
 
@@ -91,6 +93,12 @@ pub const WIDE_LOBES: FourCc = FourCc(*b"LOBW");
 pub const WIDE_LOBE_SLOPES: FourCc = FourCc(*b"LOSW");
 /// Moments of the lobes in each child of each node of a box pyramid.
 pub const LOBE_MOMENTS: FourCc = FourCc(*b"LOMO");
+/// Every texel's normal, row-major, two f32 each.
+pub const NORMALS: FourCc = FourCc(*b"NRML");
+/// Where the pixels of a global NDF lie: the middle of the first, and the pitch.
+pub const GLOBAL_ROOT: FourCc = FourCc(*b"GNDR");
+/// Shares of the pixels of a global NDF, added up, in 2³² - 1 of all.
+pub const GLOBAL_NDF: FourCc = FourCc(*b"GNDF");
 
 /// The schema version of every section of this major version so far.
 pub const SCHEMA: u32 = 1;
@@ -130,6 +138,9 @@ const KINDS: &[(FourCc, &[u32])] = &[
     (WIDE_LOBES, &[128]),
     (WIDE_LOBE_SLOPES, &[256]),
     (LOBE_MOMENTS, &[244]),
+    (NORMALS, &[8]),
+    (GLOBAL_ROOT, &[16]),
+    (GLOBAL_NDF, &[4]),
 ];
 
 /// The element sizes a section of `kind` may have, or `None` if this version does not know the kind.

@@ -15,6 +15,7 @@ mod lobes;
 mod masking;
 mod pyramid;
 mod raster;
+mod surface;
 
 pub use bin_index::BinIndex;
 pub use bin_map::{BinMap, KeyLayout, Keys};
@@ -28,6 +29,7 @@ pub use lobes::{CellLobe, LobeNormal, Lobes, LobesOfBlock};
 pub use masking::MaskingTable;
 pub use pyramid::{CellMoments, Means, Pyramid, PyramidLevel};
 pub use raster::Raster;
+pub use surface::{GlobalNdf, Normals};
 
 use crate::container::Container;
 use crate::finding::Finding;
