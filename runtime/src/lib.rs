@@ -41,8 +41,8 @@ pub use glintbake_format::model;
 pub use glintbake_format::records::Instance;
 pub use glintbake_format::{Fault, Finding};
 pub use ndf::{
-    Accuracy, BatchError, Bounded, ClusterTree, Facet, FlakeBins, Lean, Lobe, Lobes, Ndf, Queries,
-    Setting, SpecularBins, SurfaceNdf,
+    Accuracy, Analytic, BatchError, Bounded, ClusterTree, Facet, FlakeBins, GlobalNdf, Lean, Lobe,
+    Lobes, Ndf, Queries, Setting, SpecularBins, SurfaceNdf, TriangleForm,
 };
 pub use package::Package;
 pub use simd::{Instructions, Work};

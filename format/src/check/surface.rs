@@ -37,8 +37,9 @@ fn check_normals(normals: &Normals<'_>, report: &mut dyn FnMut(Finding)) {
     let mut limited = Limited::new(report);
     for (place, normal) in normals.normals.iter().enumerate() {
         let [s, t] = normal.point();
-        // Written so that NaN is found.
-        if !(s * s + t * t <= 1.0) {
+        // So that NaN is found.
+        let is_on_disk = s * s + t * t <= 1.0;
+        if !is_on_disk {
             let finding = Finding::new(Fault::SurfaceNormal).within(normals.id);
             limited.report(finding.at(place as u64));
         }

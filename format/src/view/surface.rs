@@ -96,7 +96,7 @@ impl<'a> GlobalNdf<'a> {
         let id = instance.section(GLOBAL_NDF);
         let sums: &[U32] = container.elements(id)?;
         let side = sums.len().isqrt();
-        if side < 2 || side > MOST_PIXELS || side.wrapping_mul(side) != sums.len() {
+        if !(2..=MOST_PIXELS).contains(&side) || side.wrapping_mul(side) != sums.len() {
             return Err(Finding::new(Fault::SectionCount).within(id));
         }
         let root_id = instance.section(GLOBAL_ROOT);

@@ -12,7 +12,7 @@ mod lean;
 mod lobes;
 mod specular_bins;
 
-pub use analytic::TriangleForm;
+pub use analytic::{Analytic, GlobalNdf, TriangleForm};
 pub use batch::{BatchError, Queries};
 pub use bin_weights::{DEFAULT_TOLERANCE, Lookup};
 pub use cluster_tree::{Accuracy, Bounded, ClusterTree};
@@ -137,6 +137,8 @@ pub enum SurfaceNdf<'a> {
     ClusterTree(ClusterTree<'a>),
     /// Gaussian lobes of position and normal, \[YHMR16\].
     Lobes(Lobes<'a>),
+    /// Integrals over a surface of normals, \[YHJ*14\].
+    Analytic(Analytic<'a>),
 }
 
 impl<'a> SurfaceNdf<'a> {
@@ -151,7 +153,7 @@ impl<'a> SurfaceNdf<'a> {
             Method::Lean => Self::Lean(Lean::open(container, instance)?),
             Method::ClusterTree => Self::ClusterTree(ClusterTree::open(container, instance)?),
             Method::Lobes => Self::Lobes(Lobes::open(container, instance)?),
-            Method::Analytic => return Err(QueryError::SettingUnsupported(Method::Analytic)),
+            Method::Analytic => Self::Analytic(Analytic::open(container, instance)?),
         })
     }
 
@@ -167,6 +169,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::Lean(_) => Err(QueryError::SettingUnsupported(Method::Lean)),
             Self::ClusterTree(_) => Err(QueryError::SettingUnsupported(Method::ClusterTree)),
             Self::Lobes(_) => Err(QueryError::SettingUnsupported(Method::Lobes)),
+            Self::Analytic(_) => Err(QueryError::SettingUnsupported(Method::Analytic)),
         }
     }
 
@@ -177,6 +180,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::SpecularBins(_) | Self::Lean(_) | Self::ClusterTree(_) | Self::Lobes(_) => {
                 "default"
             }
+            Self::Analytic(ndf) => ndf.form().name(),
         }
     }
 
@@ -189,6 +193,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::Lean(ndf) => ndf.filter = filter,
             Self::ClusterTree(ndf) => ndf.filter = filter,
             Self::Lobes(ndf) => ndf.filter = filter,
+            Self::Analytic(ndf) => ndf.filter = filter,
         }
         self
     }
@@ -208,7 +213,7 @@ impl<'a> SurfaceNdf<'a> {
         match &mut self {
             Self::FlakeBins(ndf) => ndf.how.tolerance = tolerance,
             Self::SpecularBins(ndf) => ndf.how.tolerance = tolerance,
-            Self::Lean(_) | Self::ClusterTree(_) | Self::Lobes(_) => {}
+            Self::Lean(_) | Self::ClusterTree(_) | Self::Lobes(_) | Self::Analytic(_) => {}
         }
         self
     }
@@ -221,6 +226,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::Lean(ndf) => ndf.filter(),
             Self::ClusterTree(ndf) => ndf.filter(),
             Self::Lobes(ndf) => ndf.filter(),
+            Self::Analytic(ndf) => ndf.filter(),
         }
     }
 
@@ -231,6 +237,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::Lean(ndf) => ndf,
             Self::ClusterTree(ndf) => ndf,
             Self::Lobes(ndf) => ndf,
+            Self::Analytic(ndf) => ndf,
         }
     }
 }

@@ -67,7 +67,7 @@ pub(super) fn mean(
     let Some(piece) = whiten::whiten(corner, edges) else {
         return 0.0;
     };
-    if !(piece.residual < reach) {
+    if piece.residual.is_nan() || piece.residual >= reach {
         return 0.0;
     }
     let is_parallelogram = shape == Shape::Parallelogram;

@@ -83,7 +83,7 @@ pub(super) fn expquad(a: f64, b: f64, c: [f64; 3], from: f64, to: f64) -> f64 {
     let root = libm::sqrt(a);
     let (start, end) = (root * (from - b), root * (to - b));
     // e^-400 is nothing.
-    if !(end > start) || start > 20.0 || end < -20.0 {
+    if end.is_nan() || start.is_nan() || end <= start || start > 20.0 || end < -20.0 {
         return 0.0;
     }
     let [constant, slope, square] = c;

@@ -33,8 +33,8 @@ const NODES: [f64; 12] = [
     -0.769_902_674_194_304_7,
     -0.587_317_954_286_617_4,
     -0.367_831_498_998_180_2,
-    -0.125_233_408_511_468_92,
-    0.125_233_408_511_468_92,
+    -0.125_233_408_511_468_9,
+    0.125_233_408_511_468_9,
     0.367_831_498_998_180_2,
     0.587_317_954_286_617_4,
     0.769_902_674_194_304_7,
@@ -148,7 +148,8 @@ fn half_beyond(distance: f64) -> f64 {
 #[inline(always)]
 fn integrate(from: f64, to: f64, integrand: impl Fn(f64) -> f64) -> f64 {
     let length = to - from;
-    if !(length > 0.0) {
+    // NaN has no length either.
+    if length.is_nan() || length <= 0.0 {
         return 0.0;
     }
     // At most 2 √(77 + 77) / 3, as polygons much farther away have been left out.

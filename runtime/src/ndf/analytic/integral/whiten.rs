@@ -58,7 +58,8 @@ pub(super) fn whiten(corner: Point, edges: [Point; 2]) -> Option<Whitened> {
     let (length, shear, x, q_2, q_0) = turn([steep, along, corner_along], [q_1, q_2, q_0]);
     // What is left of the second edge and of the corner is perpendicular to the first edge, in three dimensions.
     let height = libm::sqrt(across * across + p_2 * p_2 + q_2 * q_2);
-    if !(length > 0.0 && height > 0.0) {
+    let spans = length > 0.0 && height > 0.0;
+    if !spans {
         return None;
     }
     let inverse = 1.0 / height;
