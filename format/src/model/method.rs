@@ -25,6 +25,7 @@ pub const METHODS: &[Method] = &[
     Method::Lean,
     Method::ClusterTree,
     Method::Lobes,
+    Method::Analytic,
 ];
 
 impl Method {
