@@ -135,8 +135,8 @@ faults! {
     LobeRange = 3404, "a lobe has a normal or a slope that is not a number, or negative units";
     /// A lobe beyond the lattice is not zero.
     LobeUnused = 3405, "a lobe that lies beyond the lattice, or moments of a child that is not there, are not zero";
-    /// A lobe that leaves its box.
-    LobeBox = 3406, "a lobe reaches beyond the box of its block";
+    /// A lobe that leaves its box, or spreads too far.
+    LobeBox = 3406, "a lobe lies beyond the box of its block, or spreads farther than the block says";
     /// Moments that are not those of a block's lobes.
     LobeMoments = 3407, "the mean of a block of lobes is not that of its lobes";
 

@@ -8,8 +8,8 @@ use crate::progress::Stage;
 use crate::recipe::{DEFAULT_MERGE_ERROR, DEFAULT_ROUGHNESS, MethodRecipe};
 use glintbake_format::model::{LobeLattice, Method, intrinsic_from_beckmann};
 use glintbake_format::records::{
-    Instance, LOBE_INDEX, LOBE_MOMENTS, LOBE_SLOPES, LOBES, PYRAMID_NODES, PYRAMID_ROOT, Structure,
-    WIDE_LOBE_SLOPES, WIDE_LOBES,
+    Instance, LOBE_INDEX, LOBE_MOMENTS, LOBE_SLOPES, LOBE_SPREADS, LOBES, PYRAMID_NODES,
+    PYRAMID_ROOT, Structure, WIDE_LOBE_SLOPES, WIDE_LOBES,
 };
 
 pub(super) struct Lobes;
@@ -98,6 +98,9 @@ fn add(
     bake.plan.add(instance.section(PYRAMID_NODES), lobes.nodes);
     bake.plan.add(instance.section(LOBE_INDEX), lobes.index);
     bake.plan.add(instance.section(LOBE_MOMENTS), lobes.moments);
+    if !lobes.spreads.is_empty() {
+        bake.plan.add(instance.section(LOBE_SPREADS), lobes.spreads);
+    }
     if lobes.blocks.is_empty() {
         let reason = "no block is stored in 16 bits: all are merged, or wide";
         bake.leave_out(instance, "LOBE", reason);

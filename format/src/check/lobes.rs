@@ -3,9 +3,10 @@
 use super::{Limited, MAX_FINDINGS_PER_SECTION, box_pyramid};
 use crate::Container;
 use crate::finding::{Fault, Finding};
-use crate::model::{LobeLattice, PYRAMID_SIDE};
+use crate::model::PYRAMID_SIDE;
 use crate::records::{
-    Instance, LOBE_MOMENTS, LobeBlock, LobeIndex, LobeSlopes, WideLobeBlock, WideLobeSlopes,
+    Instance, LOBE_MOMENTS, LOBE_SPREADS, LobeBlock, LobeIndex, LobeSlopes, WideLobeBlock,
+    WideLobeSlopes,
 };
 use crate::view::{LobeNormal, Lobes, LobesOfBlock, PyramidBox};
 use zerocopy::IntoBytes;
@@ -93,6 +94,15 @@ fn check_block(
         tell(&mut left.range, Fault::LobeRange, moments);
         return;
     }
+    let spreads = lobes.spreads.get(block.place);
+    if spreads.is_some_and(|spreads| !is_unit(spreads.step.get())) {
+        tell(
+            &mut left.range,
+            Fault::LobeRange,
+            instance.section(LOBE_SPREADS),
+        );
+        return;
+    }
     let stored = match lobes.block(block.place, block.child) {
         Ok(LobesOfBlock::Merged) | Err(_) => return,
         Ok(LobesOfBlock::Narrow(narrow, _)) => {
@@ -105,6 +115,7 @@ fn check_block(
         }
         Ok(LobesOfBlock::Wide(..)) => true,
     };
+    let spread = lobes.spread(block.place, block.child);
     let [columns, rows] = lobes.pyramid.layout.cells();
     let (mut sum, mut count, mut is_sound, mut is_inside) = ([0.0; 2], 0.0, stored, true);
     for number in 0..LOBES {
@@ -128,7 +139,8 @@ fn check_block(
             lobe.slope[3],
         ];
         is_sound = is_sound && numbers.iter().all(|x| x.abs() <= 8.0);
-        is_inside = is_inside && reaches_no_farther(&lobe, &block.bounds);
+        is_inside =
+            is_inside && is_within(&lobe, &block.bounds) && lobe.spread() <= 1.001 * spread + 1e-6;
         sum = [sum[0] + lobe.normal[0], sum[1] + lobe.normal[1]];
         count += 1.0;
     }
@@ -157,20 +169,17 @@ fn is_unit(x: f32) -> bool {
     (0.0..=8.0).contains(&x)
 }
 
-/// Whether the lobe lies in the box with all that it reaches within five deviations of its position, but for what five nested
-/// roundings add.
-fn reaches_no_farther(lobe: &LobeNormal, bounds: &PyramidBox) -> bool {
-    let [s_x, s_y, t_x, t_y] = lobe.slope;
-    let reach = |x: f64, y: f64| 5.0 * LobeLattice::DEVIATION * libm::sqrt(x * x + y * y);
+/// Whether the lobe lies in the box, but for what nested roundings and those of the lobe add.
+fn is_within(lobe: &LobeNormal, bounds: &PyramidBox) -> bool {
+    /// More than 16 bits and f32 round by.
+    const SLACK: f64 = 2e-5;
     let extent = bounds.extent();
     let [low_s, low_t] = bounds.low;
     let [s, t] = lobe.normal;
-    let (across, down) = (reach(s_x, s_y), reach(t_x, t_y));
-    let slack = 2e-5 + 1e-3 * (across + down);
-    s - across >= low_s - slack
-        && s + across <= low_s + extent[0] + slack
-        && t - down >= low_t - slack
-        && t + down <= low_t + extent[1] + slack
+    s >= low_s - SLACK
+        && s <= low_s + extent[0] + SLACK
+        && t >= low_t - SLACK
+        && t <= low_t + extent[1] + SLACK
 }
 
 /// Whether all numbers of lobe `number` of a block are zero.

@@ -85,6 +85,20 @@ pub struct LobeIndex {
     pub wide: U16,
 }
 
+/// How far lobes spread in each of sixteen children of a node. 20 bytes.
+///
+/// A lobe spreads by σh |J|, |J| the root of the sum of J's squares: so far normals range over one deviation of its position.
+#[derive(
+    Clone, Copy, Debug, PartialEq, FromBytes, IntoBytes, Immutable, KnownLayout, Unaligned,
+)]
+#[repr(C)]
+pub struct LobeSpreads {
+    /// 0: unit of `greatest`.
+    pub step: F32,
+    /// 4: the most that a lobe of the child spreads, rounded up.
+    pub greatest: [u8; 16],
+}
+
 /// The moments of the lobes in each of sixteen children of a node: each child as one lobe. 244 bytes.
 ///
 /// A lobe at the middle of its cell, of the cell's mean normal, with a slope by regression of normals on positions, and what
@@ -116,6 +130,7 @@ const _: () = assert!(
         && size_of::<WideLobeBlock>() == 128
         && size_of::<WideLobeSlopes>() == 256
         && size_of::<LobeIndex>() == 12
+        && size_of::<LobeSpreads>() == 20
         && size_of::<LobeMoments>() == 244,
     "records are as FORMAT.md says"
 );

@@ -18,7 +18,9 @@ pub use clusters::{
     ClusterLeaf, ClusterNode, FineBits, LeafBits, LeafKind, PALETTE_UNIT, TileRoot,
 };
 pub use instance::{Bins, IndexKind, Instance, InstanceRecord, InverseKind, Structure};
-pub use lobes::{LobeBlock, LobeIndex, LobeMoments, LobeSlopes, WideLobeBlock, WideLobeSlopes};
+pub use lobes::{
+    LobeBlock, LobeIndex, LobeMoments, LobeSlopes, LobeSpreads, WideLobeBlock, WideLobeSlopes,
+};
 pub use masking::MaskingValue;
 pub use pyramid::{NarrowMean, SpreadRecord, WideMean};
 pub use raster::{RASTER_SIDE, RasterBlock, RasterLattice, pack_raster, unpack_raster};
@@ -91,6 +93,8 @@ pub const LOBE_SLOPES: FourCc = FourCc(*b"LOSL");
 pub const WIDE_LOBES: FourCc = FourCc(*b"LOBW");
 /// Slopes of these; absent if lobes are flat, or there are none.
 pub const WIDE_LOBE_SLOPES: FourCc = FourCc(*b"LOSW");
+/// How far lobes spread in each child of each node of a box pyramid; absent if lobes are flat.
+pub const LOBE_SPREADS: FourCc = FourCc(*b"LOSD");
 /// Moments of the lobes in each child of each node of a box pyramid.
 pub const LOBE_MOMENTS: FourCc = FourCc(*b"LOMO");
 /// Every texel's normal, row-major, two f32 each.
@@ -137,6 +141,7 @@ const KINDS: &[(FourCc, &[u32])] = &[
     (LOBE_SLOPES, &[128]),
     (WIDE_LOBES, &[128]),
     (WIDE_LOBE_SLOPES, &[256]),
+    (LOBE_SPREADS, &[20]),
     (LOBE_MOMENTS, &[244]),
     (NORMALS, &[8]),
     (GLOBAL_ROOT, &[16]),

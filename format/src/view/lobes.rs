@@ -6,8 +6,9 @@ use crate::container::Container;
 use crate::finding::{Fault, Finding};
 use crate::model::{LobeLattice, PYRAMID_SIDE};
 use crate::records::{
-    Instance, LOBE_INDEX, LOBE_MOMENTS, LOBE_SLOPES, LOBES, LobeBlock, LobeIndex, LobeMoments,
-    LobeSlopes, Structure, WIDE_LOBE_SLOPES, WIDE_LOBES, WideLobeBlock, WideLobeSlopes,
+    Instance, LOBE_INDEX, LOBE_MOMENTS, LOBE_SLOPES, LOBE_SPREADS, LOBES, LobeBlock, LobeIndex,
+    LobeMoments, LobeSlopes, LobeSpreads, Structure, WIDE_LOBE_SLOPES, WIDE_LOBES, WideLobeBlock,
+    WideLobeSlopes,
 };
 use crate::section::{FourCc, SectionId};
 use zerocopy::{FromBytes, Immutable, KnownLayout, Unaligned};
@@ -17,12 +18,14 @@ use zerocopy::{FromBytes, Immutable, KnownLayout, Unaligned};
 pub struct Lobes<'a> {
     /// What they are.
     pub lattice: LobeLattice,
-    /// The boxes of their normals: each holds all that its lobes reach within five deviations of their positions.
+    /// The boxes of their normals.
     pub pyramid: BoxPyramid<'a>,
     /// The section of blocks.
     pub id: SectionId,
     /// For each node of level 1, where its blocks lie.
     pub index: &'a [LobeIndex],
+    /// How far lobes spread in the children of every node; empty for flat lobes.
+    pub spreads: &'a [LobeSpreads],
     /// Moments of the children of every node.
     pub moments: &'a [LobeMoments],
     /// Normals in 16 bits.
@@ -91,6 +94,14 @@ impl<'a> Lobes<'a> {
             pyramid,
             id: instance.section(LOBES),
             index: elements(container, instance, LOBE_INDEX, lowest as usize)?,
+            spreads: counted(
+                container,
+                instance,
+                (
+                    LOBE_SPREADS,
+                    if lattice.curved { nodes as usize } else { 0 },
+                ),
+            )?,
             moments: elements(container, instance, LOBE_MOMENTS, nodes as usize)?,
             blocks,
             slopes: counted(container, instance, slopes_of(LOBE_SLOPES, blocks.len()))?,
@@ -143,6 +154,15 @@ impl<'a> Lobes<'a> {
         Ok(LobesOfBlock::Merged)
     }
 
+    /// The most that a lobe spreads in child `child` of the node at `place`; 0 for flat lobes.
+    #[inline]
+    pub fn spread(&self, place: usize, child: u32) -> f64 {
+        self.spreads.get(place).map_or(0.0, |spreads| {
+            let greatest = spreads.greatest.get(child as usize).copied().unwrap_or(0);
+            f64::from(greatest) * f64::from(spreads.step.get())
+        })
+    }
+
     /// Child `child` of the node at `place` as one lobe; `bounds` is the child's box.
     ///
     /// # Errors
@@ -180,6 +200,13 @@ impl<'a> Lobes<'a> {
 }
 
 impl LobeNormal {
+    /// How far normals range over one deviation of the lobe's position: σh |J|.
+    #[inline]
+    pub fn spread(&self) -> f64 {
+        let squared: f64 = self.slope.iter().map(|slope| slope * slope).sum();
+        LobeLattice::DEVIATION * libm::sqrt(squared)
+    }
+
     /// The same plane seen from `x` columns and `y` rows farther on.
     #[inline]
     pub fn at(&self, x: f64, y: f64) -> Self {

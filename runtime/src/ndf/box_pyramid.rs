@@ -2,6 +2,11 @@
 //!
 //! Distances are in standard deviations, of the footprint for positions and of the kernel for normals; a cell is passed over if
 //! the sum of both, squared, is beyond the reach, as then no point of it has more than `exp(-reach² / 2)` of the peak.
+//!
+//! Normals of lobes spread over their positions. A lobe of slope J and position variance a = σh² under a footprint has its mean
+//! at s_i + J K d, `|K d| ≤ √(a κ) |p|` with κ = a / λ, λ the least variance of S = a I + Σp and p the whitened distance, and the
+//! variance J Q Jᵀ, `|Q| ≤ a (1 - a / Λ)`, Λ the greatest. With w = √a |J| its normals are so at most `w √κ reach` off and their
+//! variance at most `w² (1 - a / Λ)` larger: `drift` and `blur`.
 #![expect(
     clippy::indexing_slicing,
     clippy::needless_range_loop,
@@ -12,6 +17,7 @@ use crate::error::QueryError;
 use crate::lanes::{BITS, LANES, Lanes, max};
 use crate::simd::fetch;
 use glintbake_format::model::PYRAMID_SIDE;
+use glintbake_format::records::{BoxNode, LobeSpreads};
 use glintbake_format::view::{BoxPyramid, PyramidBox};
 
 /// What a walk looks for.
@@ -28,6 +34,10 @@ pub(super) struct Query {
     pub scale: f64,
     /// The square of the reach.
     pub reach_squared: f64,
+    /// How far, at most, a normal moves with the footprint's place, of what its lobe spreads.
+    pub drift: f64,
+    /// How much of the square of what it spreads is left as its variance.
+    pub blur: f64,
 }
 
 /// A cell that a walk has come to: a block of 4 × 4 cells of the grid on level 0, else what a node stands for.
@@ -46,6 +56,14 @@ pub(super) struct Cell {
 
 /// Who is told of cells.
 pub(super) trait Visitor {
+    /// How far lobes spread in the children of the node at `place`: `[s; 16]` in units of the first number. Of surfaces, not
+    /// at all.
+    #[inline(always)]
+    fn spreads(&self, place: usize) -> Option<&LobeSpreads> {
+        let _ = place;
+        None
+    }
+
     /// A cell within reach; whether it is done with. Blocks always are.
     fn cell(&mut self, cell: &Cell) -> Result<bool, QueryError>;
 }
@@ -116,7 +134,7 @@ pub(super) fn walk<V: Visitor>(
         let node = waiting[at % ROOM];
         let parent = pyramid.layout.place(node.level, node.column, node.row);
         let stored = pyramid.node(node.level, node.column, node.row)?;
-        let mut found = within_reach(stored, &node, query);
+        let mut found = within_reach(stored, visitor.spreads(parent), &node, query);
         let level = node.level.wrapping_sub(1);
         while found != 0 {
             let child = found.trailing_zeros();
@@ -163,7 +181,12 @@ pub(super) fn walk<V: Visitor>(
 
 /// Which children of a node are within reach, a bit each.
 #[inline(always)]
-fn within_reach(stored: &glintbake_format::records::BoxNode, node: &Waiting, query: &Query) -> u32 {
+fn within_reach(
+    stored: &BoxNode,
+    spreads: Option<&LobeSpreads>,
+    node: &Waiting,
+    query: &Query,
+) -> u32 {
     // Cells along a side of a child.
     let side = f64::from(1_u32 << (node.level.wrapping_mul(2) & 31));
     let [a, b, c] = query.whiten;
@@ -179,6 +202,15 @@ fn within_reach(stored: &glintbake_format::records::BoxNode, node: &Waiting, que
     let step = [0, 1].map(|axis| (node.bounds.step[axis] * query.scale) as f32);
     // Far beyond what rounding to f32 does to distances.
     let reach = query.reach_squared as f32 * 1.001;
+    let (greatest, unit) = match spreads {
+        Some(spreads) => (
+            &spreads.greatest,
+            f64::from(spreads.step.get()) * query.scale,
+        ),
+        None => (&[0; LANES], 0.0),
+    };
+    let drift = (unit * query.drift) as f32;
+    let blur = (unit * unit * query.blur) as f32;
     let mut bits = [0_u32; LANES];
     for lane in 0..LANES {
         let (low_s, high_s) = (
@@ -189,26 +221,20 @@ fn within_reach(stored: &glintbake_format::records::BoxNode, node: &Waiting, que
             f32::from(stored.low_t[lane]),
             f32::from(stored.high_t[lane]),
         );
-        let s = max(
-            max(low[0] + low_s * step[0], -(low[0] + high_s * step[0])),
-            0.0,
-        );
-        let t = max(
-            max(low[1] + low_t * step[1], -(low[1] + high_t * step[1])),
-            0.0,
-        );
+        let spread = f32::from(greatest[lane]);
+        let off = spread * drift;
+        let s = max(low[0] + low_s * step[0], -(low[0] + high_s * step[0])) - off;
+        let t = max(low[1] + low_t * step[1], -(low[1] + high_t * step[1])) - off;
+        let (s, t) = (max(s, 0.0), max(t, 0.0));
         let along = max(
             (first + a * ACROSS[lane] + b * DOWN[lane]).abs() - half_first,
             0.0,
         );
         let across = max((second + c * DOWN[lane]).abs() - half_second, 0.0);
-        let squared = s * s + t * t + along * along + across * across;
+        let left = reach - (along * along + across * across);
+        let is_near = s * s + t * t <= left * (1.0 + blur * spread * spread);
         let is_there = (low_s <= high_s) & (low_t <= high_t);
-        bits[lane] = if (squared <= reach) & is_there {
-            BITS[lane]
-        } else {
-            0
-        };
+        bits[lane] = if is_near & is_there { BITS[lane] } else { 0 };
     }
     let mut all = 0;
     for lane in 0..LANES {

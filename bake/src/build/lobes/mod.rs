@@ -3,21 +3,21 @@
 mod blocks;
 mod lattice;
 mod moments;
+mod spread;
 
 use super::box_pyramid::{self, Bounds, BoxPyramid};
 use crate::normals::NormalMap;
 use blocks::{Block, Rounding};
 use glintbake_format::model::{BoxPyramidLayout, LobeLattice, PYRAMID_SIDE};
 use glintbake_format::records::{
-    BoxNode, LobeBlock, LobeIndex, LobeMoments, LobeSlopes, TileRoot, WideLobeBlock, WideLobeSlopes,
+    BoxNode, LobeBlock, LobeIndex, LobeMoments, LobeSlopes, LobeSpreads, TileRoot, WideLobeBlock,
+    WideLobeSlopes,
 };
+use glintbake_format::view::LobeNormal;
 use lattice::Lattice;
 use moments::Sums;
 use rayon::prelude::*;
 use zerocopy::little_endian::{U16, U32};
-
-/// Deviations of position that boxes hold.
-const REACH: f64 = 5.0;
 
 /// Most that 16 bits may move a normal, in deviations σr of the kernel.
 const MOST_ROUNDING: f64 = 5e-4;
@@ -33,6 +33,8 @@ pub struct Lobes {
     pub nodes: Vec<BoxNode>,
     /// Where the blocks of the lowest nodes lie.
     pub index: Vec<LobeIndex>,
+    /// How far lobes spread in the children of each node; none if lobes are flat.
+    pub spreads: Vec<LobeSpreads>,
     /// Moments of the children of each node.
     pub moments: Vec<LobeMoments>,
     /// Normals in 16 bits.
@@ -77,6 +79,7 @@ pub fn build(map: &NormalMap, kind: LobeLattice, precision: Precision) -> Lobes 
         root: Vec::new(),
         nodes: Vec::new(),
         index: Vec::new(),
+        spreads: Vec::new(),
         moments: Vec::new(),
         blocks: Vec::new(),
         slopes: Vec::new(),
@@ -91,13 +94,17 @@ pub fn build(map: &NormalMap, kind: LobeLattice, precision: Precision) -> Lobes 
             .map(|column| node_of(&lattice, &pyramid, [column, row], rounding))
             .collect();
         for node in nodes {
-            sums.push(node.sums);
+            sums.push((node.sums, spread::greatest(&node.spreads)));
             lobes.moments.push(node.moments);
+            lobes.spreads.push(node.spreads);
             lobes.add(node.blocks, kind.curved);
         }
     }
     for level in 2..=layout.top() {
-        sums = add_level(&pyramid, level, &sums, &mut lobes.moments);
+        sums = add_level(&pyramid, level, &sums, &mut lobes);
+    }
+    if !kind.curved {
+        lobes.spreads = Vec::new();
     }
     Lobes {
         root: pyramid.root,
@@ -142,6 +149,7 @@ impl Lobes {
 /// A lowest node in the making.
 struct Node {
     sums: Sums,
+    spreads: LobeSpreads,
     moments: LobeMoments,
     /// Its sixteen blocks; merged where there is none.
     blocks: Vec<Block>,
@@ -157,12 +165,10 @@ fn lobes_of(lattice: &Lattice<'_>, column: u32, row: u32) -> blocks::Lobes {
     })
 }
 
-/// The box of all that lobes reach within [`REACH`] deviations of their positions.
+/// The box of the lobes' normals.
 fn bounds_of(lobes: &blocks::Lobes) -> Bounds {
-    let reach = |x: f64, y: f64| REACH * LobeLattice::DEVIATION * libm::sqrt(x * x + y * y);
     lobes.iter().flatten().fold(Bounds::NONE, |bounds, lobe| {
-        let [s_x, s_y, t_x, t_y] = lobe.slope;
-        bounds.with(lobe.normal, [reach(s_x, s_y), reach(t_x, t_y)])
+        bounds.with(lobe.normal, [0.0; 2])
     })
 }
 
@@ -182,6 +188,7 @@ fn node_of(
     let mut sums = Sums::default();
     let mut cells = [None; 16];
     let mut stored = [None; 16];
+    let mut spreads = [0.0; 16];
     for child in 0..16_usize {
         let Some(bounds) = pyramid.child(place, child as u32) else {
             continue;
@@ -200,6 +207,8 @@ fn node_of(
         sums.merge(&own, offset(child, 4.0));
         cells[child] = Some((own.lobe(4.0), bounds));
         stored[child] = Some(lobes);
+        let lobes = lobes.iter().flatten();
+        spreads[child] = lobes.map(LobeNormal::spread).fold(0.0, f64::max);
     }
     let moments = moments::encode(&cells);
     let blocks = (0..16_usize)
@@ -215,40 +224,48 @@ fn node_of(
         .collect();
     Node {
         sums,
+        spreads: spread::encode(&spreads),
         moments,
         blocks,
     }
 }
 
-/// Adds the moments of the nodes of `level`, whose children have the sums `finer`; returns the sums of the nodes.
+/// Adds the moments of the nodes of `level`, and how far lobes spread there, whose children have the sums and the greatest
+/// spreads `finer`; returns those of the nodes.
 fn add_level(
     pyramid: &BoxPyramid,
     level: u32,
-    finer: &[Sums],
-    moments: &mut Vec<LobeMoments>,
-) -> Vec<Sums> {
+    finer: &[(Sums, f64)],
+    lobes: &mut Lobes,
+) -> Vec<(Sums, f64)> {
     let layout = &pyramid.layout;
     let [columns, rows] = layout.size(level);
     let [across, _] = layout.size(level - 1);
     let side = f64::from(PYRAMID_SIDE.pow(level));
-    let nodes: Vec<(Sums, LobeMoments)> = (0..columns * rows)
+    let nodes: Vec<(Sums, LobeSpreads, LobeMoments)> = (0..columns * rows)
         .into_par_iter()
         .map(|number| {
             let (column, row) = (number % columns, number / columns);
             let place = layout.place(level, column, row);
             let mut sums = Sums::default();
+            let mut spreads = [0.0; 16];
             let cells = core::array::from_fn(|child| {
                 let bounds = pyramid.child(place, child as u32)?;
                 let x = column * PYRAMID_SIDE + child as u32 % PYRAMID_SIDE;
                 let y = row * PYRAMID_SIDE + child as u32 / PYRAMID_SIDE;
-                let own = finer[(y * across + x) as usize];
+                let (own, spread) = finer[(y * across + x) as usize];
                 sums.merge(&own, offset(child, side));
+                spreads[child] = spread;
                 Some((own.lobe(side), bounds))
             });
-            (sums, moments::encode(&cells))
+            (sums, spread::encode(&spreads), moments::encode(&cells))
         })
         .collect();
-    let (sums, more): (Vec<Sums>, Vec<LobeMoments>) = nodes.into_iter().unzip();
-    moments.extend(more);
+    let mut sums = Vec::with_capacity(nodes.len());
+    for (own, spreads, moments) in nodes {
+        sums.push((own, spread::greatest(&spreads)));
+        lobes.spreads.push(spreads);
+        lobes.moments.push(moments);
+    }
     sums
 }

@@ -92,6 +92,8 @@ impl<S: Sink> Work for Gather<'_, S> {
                     normal: query.normal,
                     scale: query.scale,
                     reach_squared: query.reach_squared,
+                    drift: 0.0,
+                    blur: 0.0,
                 };
                 box_pyramid::walk(pyramid, &asked, &mut found)?;
             }

@@ -9,14 +9,17 @@ use crate::ndf::box_pyramid::{Cell, Query, Visitor, walk};
 use crate::simd::{Work, fetch};
 use core::ops::Range;
 use glintbake_format::model::PYRAMID_SIDE;
-use glintbake_format::records::{LobeBlock, LobeSlopes, WideLobeBlock, WideLobeSlopes};
+use glintbake_format::records::{
+    LobeBlock, LobeSlopes, LobeSpreads, WideLobeBlock, WideLobeSlopes,
+};
 use glintbake_format::view::{Lobes, LobesOfBlock, PyramidBox};
 
 /// Standard deviations, of position and normal together, that a lobe reaches. What lies beyond is `exp(-5² / 2)` of a lobe's peak
 /// at most, 4e-6, and 5e-5 of all that lobes have. Boxes of the pyramid are made for this reach.
 pub(super) const REACH: f64 = 5.0;
 
-/// The greatest diagonal of the box of normals of a cell that counts as one lobe, squared, in squared deviations of the kernel.
+/// The greatest diagonal of the box of normals of a cell that counts as one lobe, squared, and four times what lobes spread, squared,
+/// in squared deviations of the kernel.
 const NARROW: f64 = 0.16;
 
 /// The greatest squared side of such a cell, in least variances of its lobe's total position covariance.
@@ -78,7 +81,7 @@ impl<S: Sink> Gather<'_, S> {
     fn copies(self) -> Result<S, QueryError> {
         let frame = Frame::of_lobes(self.placed);
         let [width, height] = self.placed.size;
-        let least = self.placed.least_variance();
+        let [least, greatest] = self.placed.variances();
         let levels = core::array::from_fn(|level| {
             let side = f64::from(4_u32.wrapping_pow(level as u32 + 1));
             // A cell's lobes are a lattice of side², each of variance σh².
@@ -112,6 +115,8 @@ impl<S: Sink> Gather<'_, S> {
                     normal: self.normal,
                     scale: found.scale,
                     reach_squared: REACH * REACH,
+                    drift: REACH * libm::sqrt(POSITION_VARIANCE / least),
+                    blur: 1.0 - POSITION_VARIANCE / greatest,
                 };
                 walk(&self.lobes.pyramid, &query, &mut found)?;
                 found.drain()?;
@@ -215,10 +220,18 @@ struct Found<'q, S> {
 
 impl<S: Sink> Visitor for Found<'_, S> {
     #[inline(always)]
+    fn spreads(&self, place: usize) -> Option<&LobeSpreads> {
+        self.lobes.spreads.get(place)
+    }
+
+    #[inline(always)]
     fn cell(&mut self, cell: &Cell) -> Result<bool, QueryError> {
         if let Some(Some(frame)) = self.levels.get(cell.level as usize) {
             let [across, down] = cell.bounds.extent().map(|side| side * self.scale);
-            if across * across + down * down <= NARROW && self.is_whole(cell) {
+            let spread = self.lobes.spread(cell.parent, cell.child) * self.scale;
+            if across * across + down * down + 16.0 * spread * spread <= NARROW
+                && self.is_whole(cell)
+            {
                 let frame = *frame;
                 self.whole(cell, &frame)?;
                 return Ok(true);
@@ -353,8 +366,9 @@ impl<S: Sink> Found<'_, S> {
     /// Whether normals vary too much over a block for f32 to keep lobes apart.
     #[inline(always)]
     fn is_stiff(&self, pending: &Pending<'_>) -> bool {
-        let extent = pending.bounds.extent();
-        extent.iter().any(|side| side * self.scale > STIFF)
+        let [across, down] = pending.bounds.extent();
+        let spread = self.lobes.spread(pending.parent, pending.child);
+        (across + down + 5.0 * spread) * self.scale > STIFF
     }
 
     #[inline(always)]

@@ -58,26 +58,27 @@ impl Placed {
         })
     }
 
-    /// The least variance in any direction that does not weigh all lobes alike, σh² of the lobes included.
-    pub fn least_variance(&self) -> f64 {
+    /// The least and the greatest variance in any direction that does not weigh all lobes alike, σh² of the lobes included.
+    pub fn variances(&self) -> [f64; 2] {
         let [xx, yy, _] = covariance(self.half_edges);
-        POSITION_VARIANCE
-            + match self.even {
-                [true, true] => f64::INFINITY,
-                [false, true] => xx,
-                [true, false] => yy,
-                [false, false] => {
-                    let area = cross(self.half_edges);
-                    let sum = xx + yy;
-                    let root = libm::sqrt(((sum - 2.0 * area) * (sum + 2.0 * area)).max(0.0));
-                    let greatest = 0.5 * (sum + root);
-                    if greatest > 0.0 {
-                        area * area / greatest
-                    } else {
-                        0.0
-                    }
-                }
+        let footprint = match self.even {
+            [true, true] => [f64::INFINITY; 2],
+            [false, true] => [xx, f64::INFINITY],
+            [true, false] => [yy, f64::INFINITY],
+            [false, false] => {
+                let area = cross(self.half_edges);
+                let sum = xx + yy;
+                let root = libm::sqrt(((sum - 2.0 * area) * (sum + 2.0 * area)).max(0.0));
+                let greatest = 0.5 * (sum + root);
+                let least = if greatest > 0.0 {
+                    area * area / greatest
+                } else {
+                    0.0
+                };
+                [least, greatest]
             }
+        };
+        footprint.map(|variance| POSITION_VARIANCE + variance)
     }
 }
 
