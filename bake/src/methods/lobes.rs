@@ -8,8 +8,8 @@ use crate::progress::Stage;
 use crate::recipe::{DEFAULT_MERGE_ERROR, DEFAULT_ROUGHNESS, MethodRecipe};
 use glintbake_format::model::{LobeLattice, Method, intrinsic_from_beckmann};
 use glintbake_format::records::{
-    Instance, LOBE_INDEX, LOBE_MOMENTS, LOBE_SLOPES, LOBE_SPREADS, LOBES, PYRAMID_NODES,
-    PYRAMID_ROOT, Structure, WIDE_LOBE_SLOPES, WIDE_LOBES,
+    Instance, LOBE_INDEX, LOBE_MOMENTS, LOBE_SPREADS, LOBES, PYRAMID_NODES, PYRAMID_ROOT,
+    Structure, WIDE_LOBES,
 };
 
 pub(super) struct Lobes;
@@ -101,28 +101,26 @@ fn add(
     if !lobes.spreads.is_empty() {
         bake.plan.add(instance.section(LOBE_SPREADS), lobes.spreads);
     }
-    if lobes.blocks.is_empty() {
-        let reason = "no block is stored in 16 bits: all are merged, or wide";
-        bake.leave_out(instance, "LOBE", reason);
-    } else {
-        bake.plan.add(instance.section(LOBES), lobes.blocks);
+    match (lobes.curved.is_empty(), lobes.flat.is_empty()) {
+        (false, _) => bake.plan.add(instance.section(LOBES), lobes.curved),
+        (true, false) => bake.plan.add(instance.section(LOBES), lobes.flat),
+        (true, true) => {
+            let reason = "no block is stored in 16 bits: all are merged, or wide";
+            bake.leave_out(instance, "LOBE", reason);
+        }
     }
-    if lobes.wide_blocks.is_empty() {
-        let reason = "no block would be rounded by too much";
-        bake.leave_out(instance, "LOBW", reason);
-    } else {
-        bake.plan
-            .add(instance.section(WIDE_LOBES), lobes.wide_blocks);
-    }
-    if !lobes.slopes.is_empty() {
-        bake.plan.add(instance.section(LOBE_SLOPES), lobes.slopes);
-    }
-    if !lobes.wide_slopes.is_empty() {
-        bake.plan
-            .add(instance.section(WIDE_LOBE_SLOPES), lobes.wide_slopes);
+    match (lobes.wide_curved.is_empty(), lobes.wide_flat.is_empty()) {
+        (false, _) => bake
+            .plan
+            .add(instance.section(WIDE_LOBES), lobes.wide_curved),
+        (true, false) => bake.plan.add(instance.section(WIDE_LOBES), lobes.wide_flat),
+        (true, true) => {
+            let reason = "no block would be rounded by too much";
+            bake.leave_out(instance, "LOBW", reason);
+        }
     }
     if !lattice.curved {
         let reason = "lobes are flat";
-        bake.leave_out(instance, "LOSL", reason);
+        bake.leave_out(instance, "LOSD", reason);
     }
 }

@@ -248,7 +248,7 @@ fn check_index(lobes: &Lobes<'_>, report: &mut dyn FnMut(Finding)) {
         narrow = narrow.wrapping_add(mask.count_ones());
         wide = wide.wrapping_add(wide_mask.count_ones());
     }
-    if narrow as usize != lobes.blocks.len() || wide as usize != lobes.wide_blocks.len() {
+    if [narrow as usize, wide as usize] != lobes.block_counts() {
         limited.report(Finding::new(Fault::LobeIndex).within(lobes.id));
     }
 }

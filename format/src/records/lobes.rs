@@ -39,6 +39,18 @@ pub struct LobeSlopes {
     pub t_y: [I16; 16],
 }
 
+/// A block of curved lobes: normals and slopes side by side, as every query that reads one reads both. 212 bytes.
+#[derive(
+    Clone, Copy, Debug, PartialEq, FromBytes, IntoBytes, Immutable, KnownLayout, Unaligned,
+)]
+#[repr(C)]
+pub struct CurvedLobeBlock {
+    /// 0: normals.
+    pub normals: LobeBlock,
+    /// 84: slopes.
+    pub slopes: LobeSlopes,
+}
+
 /// A block whose normals or slopes 16 bits would round by too much. 128 bytes.
 #[derive(
     Clone, Copy, Debug, PartialEq, FromBytes, IntoBytes, Immutable, KnownLayout, Unaligned,
@@ -65,6 +77,18 @@ pub struct WideLobeSlopes {
     pub t_x: [F32; 16],
     /// 192: ∂t/∂y.
     pub t_y: [F32; 16],
+}
+
+/// A wide block of curved lobes. 384 bytes.
+#[derive(
+    Clone, Copy, Debug, PartialEq, FromBytes, IntoBytes, Immutable, KnownLayout, Unaligned,
+)]
+#[repr(C)]
+pub struct CurvedWideLobeBlock {
+    /// 0: normals.
+    pub normals: WideLobeBlock,
+    /// 128: slopes.
+    pub slopes: WideLobeSlopes,
 }
 
 /// Where the blocks of a node of level 1 lie. 12 bytes.
@@ -126,6 +150,8 @@ pub struct LobeMoments {
 
 const _: () = assert!(
     size_of::<LobeBlock>() == 84
+        && size_of::<CurvedLobeBlock>() == 212
+        && size_of::<CurvedWideLobeBlock>() == 384
         && size_of::<LobeSlopes>() == 128
         && size_of::<WideLobeBlock>() == 128
         && size_of::<WideLobeSlopes>() == 256

@@ -19,7 +19,8 @@ pub use clusters::{
 };
 pub use instance::{Bins, IndexKind, Instance, InstanceRecord, InverseKind, Structure};
 pub use lobes::{
-    LobeBlock, LobeIndex, LobeMoments, LobeSlopes, LobeSpreads, WideLobeBlock, WideLobeSlopes,
+    CurvedLobeBlock, CurvedWideLobeBlock, LobeBlock, LobeIndex, LobeMoments, LobeSlopes,
+    LobeSpreads, WideLobeBlock, WideLobeSlopes,
 };
 pub use masking::MaskingValue;
 pub use pyramid::{NarrowMean, SpreadRecord, WideMean};
@@ -85,14 +86,10 @@ pub const PYRAMID_ROOT: FourCc = FourCc(*b"PYRR");
 pub const PYRAMID_NODES: FourCc = FourCc(*b"PYRN");
 /// For each node of the lowest level of a box pyramid, where its blocks of lobes lie.
 pub const LOBE_INDEX: FourCc = FourCc(*b"LOIX");
-/// Normals of lobes, in blocks of 4 × 4.
+/// Normals of flat lobes, or normals and slopes of curved ones, in blocks of 4 × 4.
 pub const LOBES: FourCc = FourCc(*b"LOBE");
-/// Slopes of lobes, block by block as their normals; absent if lobes are flat.
-pub const LOBE_SLOPES: FourCc = FourCc(*b"LOSL");
-/// Normals of lobes in blocks that 16 bits would round by too much; absent if there are none.
+/// The same of blocks that 16 bits would round by too much; absent if there are none.
 pub const WIDE_LOBES: FourCc = FourCc(*b"LOBW");
-/// Slopes of these; absent if lobes are flat, or there are none.
-pub const WIDE_LOBE_SLOPES: FourCc = FourCc(*b"LOSW");
 /// How far lobes spread in each child of each node of a box pyramid; absent if lobes are flat.
 pub const LOBE_SPREADS: FourCc = FourCc(*b"LOSD");
 /// Moments of the lobes in each child of each node of a box pyramid.
@@ -137,10 +134,8 @@ const KINDS: &[(FourCc, &[u32])] = &[
     (PYRAMID_ROOT, &[16]),
     (PYRAMID_NODES, &[64]),
     (LOBE_INDEX, &[12]),
-    (LOBES, &[84]),
-    (LOBE_SLOPES, &[128]),
-    (WIDE_LOBES, &[128]),
-    (WIDE_LOBE_SLOPES, &[256]),
+    (LOBES, &[84, 212]),
+    (WIDE_LOBES, &[128, 384]),
     (LOBE_SPREADS, &[20]),
     (LOBE_MOMENTS, &[244]),
     (NORMALS, &[8]),

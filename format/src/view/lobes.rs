@@ -6,9 +6,9 @@ use crate::container::Container;
 use crate::finding::{Fault, Finding};
 use crate::model::{LobeLattice, PYRAMID_SIDE};
 use crate::records::{
-    Instance, LOBE_INDEX, LOBE_MOMENTS, LOBE_SLOPES, LOBE_SPREADS, LOBES, LobeBlock, LobeIndex,
-    LobeMoments, LobeSlopes, LobeSpreads, Structure, WIDE_LOBE_SLOPES, WIDE_LOBES, WideLobeBlock,
-    WideLobeSlopes,
+    CurvedLobeBlock, CurvedWideLobeBlock, Instance, LOBE_INDEX, LOBE_MOMENTS, LOBE_SPREADS, LOBES,
+    LobeBlock, LobeIndex, LobeMoments, LobeSlopes, LobeSpreads, Structure, WIDE_LOBES,
+    WideLobeBlock, WideLobeSlopes,
 };
 use crate::section::{FourCc, SectionId};
 use zerocopy::{FromBytes, Immutable, KnownLayout, Unaligned};
@@ -28,14 +28,48 @@ pub struct Lobes<'a> {
     pub spreads: &'a [LobeSpreads],
     /// Moments of the children of every node.
     pub moments: &'a [LobeMoments],
-    /// Normals in 16 bits.
-    pub blocks: &'a [LobeBlock],
-    /// Their slopes; empty for flat lobes.
-    pub slopes: &'a [LobeSlopes],
-    /// Normals in full.
-    pub wide_blocks: &'a [WideLobeBlock],
-    /// Their slopes; empty for flat lobes.
-    pub wide_slopes: &'a [WideLobeSlopes],
+    /// Blocks in 16 bits.
+    blocks: Blocks<'a, LobeBlock, CurvedLobeBlock>,
+    /// Blocks in full.
+    wide_blocks: Blocks<'a, WideLobeBlock, CurvedWideLobeBlock>,
+}
+
+/// Blocks with or without slopes.
+#[derive(Clone, Copy, Debug)]
+enum Blocks<'a, F, C> {
+    Flat(&'a [F]),
+    Curved(&'a [C]),
+}
+
+impl<'a, F, C> Blocks<'a, F, C>
+where
+    F: FromBytes + Immutable + KnownLayout + Unaligned,
+    C: FromBytes + Immutable + KnownLayout + Unaligned,
+{
+    /// Those of section `kind`; none if it is absent.
+    fn open(
+        container: &Container<'a>,
+        instance: &Instance,
+        kind: FourCc,
+        is_curved: bool,
+    ) -> Result<Self, Finding> {
+        let id = instance.section(kind);
+        if container.find(id).is_none() {
+            return Ok(Self::Flat(&[]));
+        }
+        Ok(if is_curved {
+            Self::Curved(container.elements(id)?)
+        } else {
+            Self::Flat(container.elements(id)?)
+        })
+    }
+
+    const fn len(&self) -> usize {
+        match self {
+            Self::Flat(blocks) => blocks.len(),
+            Self::Curved(blocks) => blocks.len(),
+        }
+    }
 }
 
 /// The lobes of a block.
@@ -80,15 +114,6 @@ impl<'a> Lobes<'a> {
             return Ok(None);
         };
         let (nodes, lowest) = (pyramid.layout.node_count(), pyramid.layout.lowest_count());
-        let blocks = optional(container, instance, LOBES)?;
-        let wide_blocks = optional(container, instance, WIDE_LOBES)?;
-        let slopes_of = |kind, blocks: usize| {
-            if lattice.curved && blocks > 0 {
-                (kind, blocks)
-            } else {
-                (kind, 0)
-            }
-        };
         let lobes = Self {
             lattice,
             pyramid,
@@ -103,14 +128,8 @@ impl<'a> Lobes<'a> {
                 ),
             )?,
             moments: elements(container, instance, LOBE_MOMENTS, nodes as usize)?,
-            blocks,
-            slopes: counted(container, instance, slopes_of(LOBE_SLOPES, blocks.len()))?,
-            wide_blocks,
-            wide_slopes: counted(
-                container,
-                instance,
-                slopes_of(WIDE_LOBE_SLOPES, wide_blocks.len()),
-            )?,
+            blocks: Blocks::open(container, instance, LOBES, lattice.curved)?,
+            wide_blocks: Blocks::open(container, instance, WIDE_LOBES, lattice.curved)?,
         };
         Ok(Some(lobes))
     }
@@ -123,6 +142,11 @@ impl<'a> Lobes<'a> {
     pub fn of_map(container: &Container<'a>, instance: &Instance) -> Result<Self, Finding> {
         super::of_map(container, instance, Self::open)?
             .ok_or(Finding::new(Fault::SectionMissing).within(instance.section(LOBE_INDEX)))
+    }
+
+    /// How many blocks are stored in 16 bits, and how many in full.
+    pub const fn block_counts(&self) -> [usize; 2] {
+        [self.blocks.len(), self.wide_blocks.len()]
     }
 
     /// That something of the lobes is not there.
@@ -143,13 +167,27 @@ impl<'a> Lobes<'a> {
         let at = |first: u32, mask: u32| first.wrapping_add((mask & before).count_ones()) as usize;
         if narrow & bit != 0 {
             let at = at(index.first.get(), narrow);
-            let block = self.blocks.get(at).ok_or_else(|| self.damaged())?;
-            return Ok(LobesOfBlock::Narrow(block, self.slopes.get(at)));
+            let block = match self.blocks {
+                Blocks::Flat(blocks) => blocks.get(at).map(|block| (block, None)),
+                Blocks::Curved(blocks) => {
+                    let block = blocks.get(at);
+                    block.map(|block| (&block.normals, Some(&block.slopes)))
+                }
+            };
+            let (block, slopes) = block.ok_or_else(|| self.damaged())?;
+            return Ok(LobesOfBlock::Narrow(block, slopes));
         }
         if wide & bit != 0 {
             let at = at(index.first_wide.get(), wide);
-            let block = self.wide_blocks.get(at).ok_or_else(|| self.damaged())?;
-            return Ok(LobesOfBlock::Wide(block, self.wide_slopes.get(at)));
+            let block = match self.wide_blocks {
+                Blocks::Flat(blocks) => blocks.get(at).map(|block| (block, None)),
+                Blocks::Curved(blocks) => {
+                    let block = blocks.get(at);
+                    block.map(|block| (&block.normals, Some(&block.slopes)))
+                }
+            };
+            let (block, slopes) = block.ok_or_else(|| self.damaged())?;
+            return Ok(LobesOfBlock::Wide(block, slopes));
         }
         Ok(LobesOfBlock::Merged)
     }
@@ -298,19 +336,6 @@ impl LobeMoments {
             },
             residual: [s * s, correlation * s * t, t * t],
         })
-    }
-}
-
-/// All elements of `kind`; none if the section is absent.
-fn optional<'a, T: FromBytes + Immutable + KnownLayout + Unaligned>(
-    container: &Container<'a>,
-    instance: &Instance,
-    kind: FourCc,
-) -> Result<&'a [T], Finding> {
-    let id = instance.section(kind);
-    match container.find(id) {
-        Some(_) => container.elements(id),
-        None => Ok(&[]),
     }
 }
 

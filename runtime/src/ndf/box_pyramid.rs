@@ -4,7 +4,7 @@
 //! the sum of both, squared, is beyond the reach, as then no point of it has more than `exp(-reach² / 2)` of the peak.
 //!
 //! Normals of lobes spread over their positions. A lobe of slope J and position variance a = σh² under a footprint has its mean
-//! at s_i + J K d, `|K d| ≤ √(a κ) |p|` with κ = a / λ, λ the least variance of S = a I + Σp and p the whitened distance, and the
+//! at `s_i` + J K d, `|K d| ≤ √(a κ) |p|` with κ = a / λ, λ the least variance of S = a I + Σp and p the whitened distance, and the
 //! variance J Q Jᵀ, `|Q| ≤ a (1 - a / Λ)`, Λ the greatest. With w = √a |J| its normals are so at most `w √κ reach` off and their
 //! variance at most `w² (1 - a / Λ)` larger: `drift` and `blur`.
 #![expect(
@@ -62,6 +62,12 @@ pub(super) trait Visitor {
     fn spreads(&self, place: usize) -> Option<&LobeSpreads> {
         let _ = place;
         None
+    }
+
+    /// The node at `place` will be opened soon.
+    #[inline(always)]
+    fn expect(&self, place: usize) {
+        let _ = place;
     }
 
     /// A cell within reach; whether it is done with. Blocks always are.
@@ -159,14 +165,11 @@ pub(super) fn walk<V: Visitor>(
             if visitor.cell(&cell)? || level == 0 {
                 continue;
             }
-            // Nodes beyond the layout are not children of one, whatever a damaged package says.
-            if let Some(node) =
-                pyramid
-                    .nodes
-                    .get(pyramid.layout.place(level, cell.column, cell.row))
-            {
+            let place = pyramid.layout.place(level, cell.column, cell.row);
+            if let Some(node) = pyramid.nodes.get(place) {
                 fetch(node);
             }
+            visitor.expect(place);
             waiting[end % ROOM] = Waiting {
                 bounds,
                 level,

@@ -1,7 +1,9 @@
 //! Blocks of lobes in as few bytes as their rounding allows.
 
 use glintbake_format::model::LobeLattice;
-use glintbake_format::records::{LobeBlock, LobeSlopes, WideLobeBlock, WideLobeSlopes};
+use glintbake_format::records::{
+    CurvedLobeBlock, CurvedWideLobeBlock, LobeBlock, LobeSlopes, WideLobeBlock, WideLobeSlopes,
+};
 use glintbake_format::view::{CellLobe, LobeNormal};
 use zerocopy::little_endian::{F32, I16, U16};
 
@@ -19,8 +21,8 @@ pub(super) struct Rounding {
 
 /// A block as it is stored.
 pub(super) enum Block {
-    Narrow(Box<(LobeBlock, LobeSlopes)>),
-    Wide(Box<(WideLobeBlock, WideLobeSlopes)>),
+    Narrow(Box<CurvedLobeBlock>),
+    Wide(Box<CurvedWideLobeBlock>),
     Merged,
 }
 
@@ -29,9 +31,9 @@ pub(super) fn encode(lobes: &Lobes, cell: &CellLobe, rounding: Rounding) -> Bloc
     if lobes.iter().all(Option::is_some) && off_plane(lobes, cell) <= rounding.merge {
         return Block::Merged;
     }
-    let (block, slopes) = narrow(lobes);
-    if off(lobes, &block, &slopes) <= rounding.most {
-        Block::Narrow(Box::new((block, slopes)))
+    let block = narrow(lobes);
+    if off(lobes, &block) <= rounding.most {
+        Block::Narrow(Box::new(block))
     } else {
         Block::Wide(Box::new(wide(lobes)))
     }
@@ -79,15 +81,17 @@ fn off_plane(lobes: &Lobes, cell: &CellLobe) -> f64 {
 }
 
 /// How far 16 bits are.
-fn off(lobes: &Lobes, block: &LobeBlock, slopes: &LobeSlopes) -> f64 {
+fn off(lobes: &Lobes, block: &CurvedLobeBlock) -> f64 {
     greatest(lobes, |number, _| {
+        let slopes = Some(&block.slopes);
         block
-            .lobe(Some(slopes), number)
+            .normals
+            .lobe(slopes, number)
             .expect("a block has 16 lobes")
     })
 }
 
-fn narrow(lobes: &Lobes) -> (LobeBlock, LobeSlopes) {
+fn narrow(lobes: &Lobes) -> CurvedLobeBlock {
     let there = || lobes.iter().flatten();
     let fold = |axis: usize, pick: fn(f64, f64) -> f64, start| {
         there().fold(start, |best, lobe| pick(best, lobe.normal[axis]))
@@ -136,10 +140,13 @@ fn narrow(lobes: &Lobes) -> (LobeBlock, LobeSlopes) {
             slopes.t_y[number] = t_y;
         }
     }
-    (block, slopes)
+    CurvedLobeBlock {
+        normals: block,
+        slopes,
+    }
 }
 
-fn wide(lobes: &Lobes) -> (WideLobeBlock, WideLobeSlopes) {
+fn wide(lobes: &Lobes) -> CurvedWideLobeBlock {
     let lanes = |of: fn(&LobeNormal) -> f64| {
         core::array::from_fn(|number| F32::new(lobes[number].map_or(0.0, |lobe| of(&lobe) as f32)))
     };
@@ -153,5 +160,8 @@ fn wide(lobes: &Lobes) -> (WideLobeBlock, WideLobeSlopes) {
         t_x: lanes(|lobe| lobe.slope[2]),
         t_y: lanes(|lobe| lobe.slope[3]),
     };
-    (block, slopes)
+    CurvedWideLobeBlock {
+        normals: block,
+        slopes,
+    }
 }

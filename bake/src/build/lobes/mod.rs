@@ -10,8 +10,8 @@ use crate::normals::NormalMap;
 use blocks::{Block, Rounding};
 use glintbake_format::model::{BoxPyramidLayout, LobeLattice, PYRAMID_SIDE};
 use glintbake_format::records::{
-    BoxNode, LobeBlock, LobeIndex, LobeMoments, LobeSlopes, LobeSpreads, TileRoot, WideLobeBlock,
-    WideLobeSlopes,
+    BoxNode, CurvedLobeBlock, CurvedWideLobeBlock, LobeBlock, LobeIndex, LobeMoments, LobeSpreads,
+    TileRoot, WideLobeBlock,
 };
 use glintbake_format::view::LobeNormal;
 use lattice::Lattice;
@@ -37,14 +37,14 @@ pub struct Lobes {
     pub spreads: Vec<LobeSpreads>,
     /// Moments of the children of each node.
     pub moments: Vec<LobeMoments>,
-    /// Normals in 16 bits.
-    pub blocks: Vec<LobeBlock>,
-    /// Their slopes; none if lobes are flat.
-    pub slopes: Vec<LobeSlopes>,
-    /// Normals in full.
-    pub wide_blocks: Vec<WideLobeBlock>,
-    /// Their slopes; none if lobes are flat.
-    pub wide_slopes: Vec<WideLobeSlopes>,
+    /// Flat blocks in 16 bits, or none.
+    pub flat: Vec<LobeBlock>,
+    /// Curved blocks in 16 bits, or none.
+    pub curved: Vec<CurvedLobeBlock>,
+    /// Flat blocks in full, or none.
+    pub wide_flat: Vec<WideLobeBlock>,
+    /// Curved blocks in full, or none.
+    pub wide_curved: Vec<CurvedWideLobeBlock>,
 }
 
 /// How exactly lobes are kept.
@@ -81,10 +81,10 @@ pub fn build(map: &NormalMap, kind: LobeLattice, precision: Precision) -> Lobes 
         index: Vec::new(),
         spreads: Vec::new(),
         moments: Vec::new(),
-        blocks: Vec::new(),
-        slopes: Vec::new(),
-        wide_blocks: Vec::new(),
-        wide_slopes: Vec::new(),
+        flat: Vec::new(),
+        curved: Vec::new(),
+        wide_flat: Vec::new(),
+        wide_curved: Vec::new(),
     };
     let mut sums = Vec::new();
     let [node_columns, node_rows] = layout.size(1);
@@ -116,9 +116,14 @@ pub fn build(map: &NormalMap, kind: LobeLattice, precision: Precision) -> Lobes 
 impl Lobes {
     /// Adds the blocks of the next lowest node.
     fn add(&mut self, blocks: Vec<Block>, is_curved: bool) {
+        let (narrow, wide) = if is_curved {
+            (self.curved.len(), self.wide_curved.len())
+        } else {
+            (self.flat.len(), self.wide_flat.len())
+        };
         let mut index = LobeIndex {
-            first: U32::new(self.blocks.len() as u32),
-            first_wide: U32::new(self.wide_blocks.len() as u32),
+            first: U32::new(narrow as u32),
+            first_wide: U32::new(wide as u32),
             narrow: U16::ZERO,
             wide: U16::ZERO,
         };
@@ -127,16 +132,18 @@ impl Lobes {
             match block {
                 Block::Narrow(stored) => {
                     index.narrow |= bit;
-                    self.blocks.push(stored.0);
                     if is_curved {
-                        self.slopes.push(stored.1);
+                        self.curved.push(*stored);
+                    } else {
+                        self.flat.push(stored.normals);
                     }
                 }
                 Block::Wide(stored) => {
                     index.wide |= bit;
-                    self.wide_blocks.push(stored.0);
                     if is_curved {
-                        self.wide_slopes.push(stored.1);
+                        self.wide_curved.push(*stored);
+                    } else {
+                        self.wide_flat.push(stored.normals);
                     }
                 }
                 Block::Merged => {}

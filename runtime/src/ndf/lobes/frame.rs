@@ -1,17 +1,17 @@
 //! What all lobes of one size have in common under a footprint.
 //!
-//! A lobe at u_i with the position covariance A, the normal s_i there, the slope J and the residual covariance R gives a query
-//! of position u_p, footprint covariance Σp and half vector s
+//! A lobe at `u_i` with the position covariance A, the normal `s_i` there, the slope J and the residual covariance R gives a query
+//! of position `u_p`, footprint covariance Σp and half vector s
 //!
 //! ```text
 //!     N(u_p; u_i, S) · N(s; s_i + J K (u_p - u_i), R + J Q Jᵀ),    S = A + Σp,  K = A S⁻¹,  Q = A S⁻¹ Σp
 //! ```
 //!
-//! Derivation: `N(u; u_p, Σp) N(u; u_i, A)` is N(u_p; u_i, S) times a Gaussian in u of mean `u_i + K (u_p - u_i)` and covariance
+//! Derivation: `N(u; u_p, Σp) N(u; u_i, A)` is `N(u_p`; `u_i`, S) times a Gaussian in u of mean `u_i + K (u_p - u_i)` and covariance
 //! Q, the parallel sum of A and Σp; and s is an affine function of u plus a residual. This is \[TZX22\] eq. 6 without the inverse
 //! of its 4 × 4 matrix, whose entries reach |J|²/σr². Here every matrix is a sum of positive parts, and nothing cancels.
 //!
-//! A = a I throughout. With p = T (u_p - u_i), T upper triangular and TᵀT = S⁻¹, `K (u_p - u_i) = a Tᵀ p`. With Σp = E Eᵀ and
+//! A = a I throughout. With p = T (`u_p` - `u_i`), T upper triangular and `TᵀT` = S⁻¹, `K (u_p - u_i) = a Tᵀ p`. With Σp = E Eᵀ and
 //! `N = I + EᵀE / a = L Lᵀ`, `Q = E N⁻¹ Eᵀ = G Gᵀ` for G = E L⁻ᵀ.
 
 use super::placed::{POSITION_VARIANCE, Placed, covariance, cross};
@@ -26,7 +26,7 @@ pub(super) struct Frame {
     pub variance: f64,
     /// The columns of G.
     pub spread: [[f64; 2]; 2],
-    /// The factor of `exp(-|p|²/2)` in N(u_p; u_i, S).
+    /// The factor of `exp(-|p|²/2)` in `N(u_p`; `u_i`, S).
     pub amplitude: f64,
     /// S: xx, yy and xy.
     pub total: [f64; 3],

@@ -225,6 +225,16 @@ impl<S: Sink> Visitor for Found<'_, S> {
     }
 
     #[inline(always)]
+    fn expect(&self, place: usize) {
+        if let Some(spreads) = self.lobes.spreads.get(place) {
+            fetch(spreads);
+        }
+        if let Some(index) = self.lobes.index.get(place) {
+            fetch(index);
+        }
+    }
+
+    #[inline(always)]
     fn cell(&mut self, cell: &Cell) -> Result<bool, QueryError> {
         if let Some(Some(frame)) = self.levels.get(cell.level as usize) {
             let [across, down] = cell.bounds.extent().map(|side| side * self.scale);

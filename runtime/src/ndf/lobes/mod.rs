@@ -219,7 +219,7 @@ impl<'a> Lobes<'a> {
 
     /// The lobe that two numbers in [0, 1) draw by its weight, as the column and row of the lattice without end.
     ///
-    /// Rows first: a row weighs what a Gaussian of variance S_yy does there times the sum of the row's own Gaussian over its lattice,
+    /// Rows first: a row weighs what a Gaussian of variance `S_yy` does there times the sum of the row's own Gaussian over its lattice,
     /// which is 1 but for rows that a thin footprint crosses. Those are kept with that probability over its greatest value; what is
     /// left of the random number decides, and then draws anew.
     fn lobe_under(placed: &Placed, [first, second]: [f64; 2]) -> [f64; 2] {

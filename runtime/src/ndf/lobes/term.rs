@@ -22,7 +22,7 @@ pub(super) struct Term {
 }
 
 impl Term {
-    /// That of `lobe`, `offset` = u_p - u_i from the footprint's centre, with the residual covariance `residual`.
+    /// That of `lobe`, `offset` = `u_p` - `u_i` from the footprint's centre, with the residual covariance `residual`.
     #[inline(always)]
     pub fn new(frame: &Frame, offset: [f64; 2], lobe: &LobeNormal, residual: [f64; 3]) -> Self {
         let p = frame.whitened(offset);
