@@ -2,7 +2,7 @@
 //! into vector instructions.
 #![expect(
     clippy::indexing_slicing,
-    reason = "an array of 16 by numbers below 16, at compile time"
+    reason = "arrays of 16 by numbers below 16, which compilers see and checked indexing would hide from them"
 )]
 
 /// Children of a node, texels of a leaf, or lobes of a block.
@@ -75,4 +75,19 @@ pub(crate) const BITS: [u32; LANES] = {
 #[inline(always)]
 pub(crate) const fn first_bits(count: u32) -> u32 {
     (1 << (count & 31)) - 1
+}
+
+/// The least of all lanes.
+#[inline(always)]
+pub(crate) fn least(lanes: &Lanes) -> f32 {
+    let mut halves = [0.0; 8];
+    for lane in 0..8 {
+        halves[lane] = min(lanes[lane], lanes[lane + 8]);
+    }
+    let mut quarters = [0.0; 4];
+    for lane in 0..4 {
+        quarters[lane] = min(halves[lane], halves[lane + 4]);
+    }
+    let [a, b, c, d] = quarters;
+    min(min(a, b), min(c, d))
 }

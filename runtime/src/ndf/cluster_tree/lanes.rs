@@ -7,7 +7,7 @@
 )]
 
 pub(super) use crate::lanes::{
-    BITS, LANES, Lanes, exponential, first_bits, inverse_root, max, min, unit,
+    BITS, LANES, Lanes, exponential, first_bits, inverse_root, least, max, min, unit,
 };
 
 use super::lobe::Lobe;
@@ -16,21 +16,6 @@ use glintbake_format::records::{ClusterLeaf, ClusterNode, FineBits, LeafBits};
 
 /// Texels of leaves that are opened anyway count down to e^-this.
 pub(super) const LEAST_TERM: f32 = 40.0;
-
-/// The least of all lanes.
-#[inline(always)]
-pub(super) fn least(lanes: &Lanes) -> f32 {
-    let mut halves = [0.0; 8];
-    for lane in 0..8 {
-        halves[lane] = min(lanes[lane], lanes[lane + 8]);
-    }
-    let mut quarters = [0.0; 4];
-    for lane in 0..4 {
-        quarters[lane] = min(halves[lane], halves[lane + 4]);
-    }
-    let [a, b, c, d] = quarters;
-    min(min(a, b), min(c, d))
-}
 
 /// A box of normals, in a frame whose origin is the half vector: where it begins, and a 255th of its sides.
 #[derive(Clone, Copy, Debug)]

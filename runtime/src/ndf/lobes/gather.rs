@@ -2,7 +2,7 @@
 
 use super::frame::Frame;
 use super::placed::{POSITION_VARIANCE, Placed};
-use super::term::{BlockFrame, BlockLanes, Term, plane};
+use super::term::{BlockFrame, Term, plane};
 use crate::error::QueryError;
 use crate::lanes::{LANES, Lanes};
 use crate::ndf::box_pyramid::{Cell, Query, Visitor, walk};
@@ -98,6 +98,8 @@ impl<S: Sink> Gather<'_, S> {
             normal: self.normal,
             sigma: self.sigma,
             scale: 1.0 / self.sigma,
+            drift: REACH * libm::sqrt(POSITION_VARIANCE / least),
+            blur: 1.0 - POSITION_VARIANCE / greatest,
             pending: [const { None }; PENDING],
             count: 0,
             sink: self.sink,
@@ -115,8 +117,8 @@ impl<S: Sink> Gather<'_, S> {
                     normal: self.normal,
                     scale: found.scale,
                     reach_squared: REACH * REACH,
-                    drift: REACH * libm::sqrt(POSITION_VARIANCE / least),
-                    blur: 1.0 - POSITION_VARIANCE / greatest,
+                    drift: found.drift,
+                    blur: found.blur,
                 };
                 walk(&self.lobes.pyramid, &query, &mut found)?;
                 found.drain()?;
@@ -213,6 +215,9 @@ struct Found<'q, S> {
     normal: [f64; 2],
     sigma: f64,
     scale: f64,
+    /// See `box_pyramid`.
+    drift: f64,
+    blur: f64,
     pending: [Option<Pending<'q>>; PENDING],
     count: usize,
     sink: S,
@@ -345,12 +350,25 @@ impl<S: Sink> Found<'_, S> {
             match pending.stored {
                 _ if S::EACH => self.each(&pending, first)?,
                 LobesOfBlock::Narrow(block, slopes) => {
-                    let lanes = self.narrow(block, slopes);
-                    self.add_block(&pending, &lanes, first, slopes.is_some());
+                    let normals = self.narrow_normals(block);
+                    match slopes {
+                        None => self.add_flat(&pending, &normals, first),
+                        Some(slopes) if self.is_near(&pending, &normals, first) => {
+                            let slopes = self.narrow_slopes(block, slopes);
+                            self.add_curved(&pending, &normals, &slopes, first);
+                        }
+                        Some(_) => {}
+                    }
                 }
                 LobesOfBlock::Wide(block, slopes) if !self.is_stiff(&pending) => {
-                    let lanes = self.wide(block, slopes);
-                    self.add_block(&pending, &lanes, first, slopes.is_some());
+                    let normals = self.wide_normals(block);
+                    match slopes {
+                        None => self.add_flat(&pending, &normals, first),
+                        Some(slopes) => {
+                            let slopes = self.wide_slopes(slopes);
+                            self.add_curved(&pending, &normals, &slopes, first);
+                        }
+                    }
                 }
                 LobesOfBlock::Wide(..) => self.each(&pending, first)?,
                 LobesOfBlock::Merged => {
@@ -360,13 +378,14 @@ impl<S: Sink> Found<'_, S> {
                         .lobe;
                     let [s, t] = cell.normal;
                     let normal = [self.normal[0] - s, self.normal[1] - t];
-                    let is_curved = self.lobes.lattice.curved;
-                    let lanes = plane(
-                        normal.map(|x| (x * self.scale) as f32),
-                        cell.slope.map(|x| (x * self.scale) as f32),
-                        is_curved,
-                    );
-                    self.add_block(&pending, &lanes, first, is_curved);
+                    let slope = cell.slope.map(|x| (x * self.scale) as f32);
+                    let normals = plane(normal.map(|x| (x * self.scale) as f32), slope);
+                    if self.lobes.lattice.curved {
+                        let slopes = slope.map(|slope| [slope; LANES]);
+                        self.add_curved(&pending, &normals, &slopes, first);
+                    } else {
+                        self.add_flat(&pending, &normals, first);
+                    }
                 }
             }
         }
@@ -381,21 +400,39 @@ impl<S: Sink> Found<'_, S> {
         (across + down + 5.0 * spread) * self.scale > STIFF
     }
 
+    /// Whether a lobe of the block may be within reach, by each one's own normal and the most that any of them spreads.
+    ///
+    /// With the bound of `box_pyramid`, and `(x - D)² ≥ 0.9 x² - 9 D²` for what normals drift.
     #[inline(always)]
-    fn add_block(
+    fn is_near(&self, pending: &Pending<'_>, normals: &[Lanes; 2], offset: [f64; 2]) -> bool {
+        let spread = self.lobes.spread(pending.parent, pending.child) * self.scale;
+        let widened = 1.0 + self.blur * spread * spread;
+        let drift = self.drift * spread;
+        let p = self.frame.whitened(offset).map(|x| x as f32);
+        let reach = (1.001 * REACH * REACH + 9.0 * drift * drift / widened) as f32;
+        let least = self.block_frame.least(normals, p, (0.9 / widened) as f32);
+        least <= reach
+    }
+
+    #[inline(always)]
+    fn add_curved(
         &mut self,
         pending: &Pending<'_>,
-        lanes: &BlockLanes,
+        normals: &[Lanes; 2],
+        slopes: &[Lanes; 4],
         offset: [f64; 2],
-        is_curved: bool,
     ) {
         let counts = self.counts(pending);
         let p = self.frame.whitened(offset).map(|x| x as f32);
-        let sum = if is_curved {
-            self.block_frame.curved(lanes, p, &counts)
-        } else {
-            self.block_frame.flat(&lanes.s, &lanes.t, p, &counts)
-        };
+        let sum = self.block_frame.curved(normals, slopes, p, &counts);
+        self.sink.add(self.amplitude * f64::from(sum));
+    }
+
+    #[inline(always)]
+    fn add_flat(&mut self, pending: &Pending<'_>, normals: &[Lanes; 2], offset: [f64; 2]) {
+        let counts = self.counts(pending);
+        let p = self.frame.whitened(offset).map(|x| x as f32);
+        let sum = self.block_frame.flat(normals, p, &counts);
         self.sink.add(self.amplitude * f64::from(sum));
     }
 
@@ -415,12 +452,14 @@ impl<S: Sink> Found<'_, S> {
         counts
     }
 
+    /// The half vector less the normals of a block, in deviations of the kernel.
     #[inline(always)]
     #[expect(
         clippy::indexing_slicing,
+        clippy::needless_range_loop,
         reason = "arrays of 16 by numbers below 16, which compilers see and checked indexing would hide from them"
     )]
-    fn narrow(&self, block: &LobeBlock, slopes: Option<&LobeSlopes>) -> BlockLanes {
+    fn narrow_normals(&self, block: &LobeBlock) -> [Lanes; 2] {
         let relative = |axis: usize| {
             let low = f64::from(block.low[axis].get());
             ((self.normal[axis] - low) * self.scale) as f32
@@ -429,23 +468,28 @@ impl<S: Sink> Found<'_, S> {
         let step = block
             .step
             .map(|step| (f64::from(step.get()) * self.scale) as f32);
-        let mut lanes = BlockLanes {
-            s: [0.0; LANES],
-            t: [0.0; LANES],
-            slope: [[0.0; LANES]; 4],
-        };
+        let mut normals = [[0.0; LANES]; 2];
         for lane in 0..LANES {
-            lanes.s[lane] = s - step[0] * f32::from(block.s[lane].get());
-            lanes.t[lane] = t - step[1] * f32::from(block.t[lane].get());
+            normals[0][lane] = s - step[0] * f32::from(block.s[lane].get());
+            normals[1][lane] = t - step[1] * f32::from(block.t[lane].get());
         }
-        if let Some(slopes) = slopes {
-            let unit = (f64::from(block.slope_step.get()) * self.scale) as f32;
-            for lane in 0..LANES {
-                lanes.slope[0][lane] = unit * f32::from(slopes.s_x[lane].get());
-                lanes.slope[1][lane] = unit * f32::from(slopes.s_y[lane].get());
-                lanes.slope[2][lane] = unit * f32::from(slopes.t_x[lane].get());
-                lanes.slope[3][lane] = unit * f32::from(slopes.t_y[lane].get());
-            }
+        normals
+    }
+
+    #[inline(always)]
+    #[expect(
+        clippy::indexing_slicing,
+        clippy::needless_range_loop,
+        reason = "arrays of 16 by numbers below 16, which compilers see and checked indexing would hide from them"
+    )]
+    fn narrow_slopes(&self, block: &LobeBlock, slopes: &LobeSlopes) -> [Lanes; 4] {
+        let unit = (f64::from(block.slope_step.get()) * self.scale) as f32;
+        let mut lanes = [[0.0; LANES]; 4];
+        for lane in 0..LANES {
+            lanes[0][lane] = unit * f32::from(slopes.s_x[lane].get());
+            lanes[1][lane] = unit * f32::from(slopes.s_y[lane].get());
+            lanes[2][lane] = unit * f32::from(slopes.t_x[lane].get());
+            lanes[3][lane] = unit * f32::from(slopes.t_y[lane].get());
         }
         lanes
     }
@@ -453,31 +497,38 @@ impl<S: Sink> Found<'_, S> {
     #[inline(always)]
     #[expect(
         clippy::indexing_slicing,
+        clippy::needless_range_loop,
         reason = "arrays of 16 by numbers below 16, which compilers see and checked indexing would hide from them"
     )]
-    fn wide(&self, block: &WideLobeBlock, slopes: Option<&WideLobeSlopes>) -> BlockLanes {
+    fn wide_normals(&self, block: &WideLobeBlock) -> [Lanes; 2] {
         let scale = self.scale as f32;
         let [s, t] = self.normal;
         // What f32 leaves of the half vector, so that differences are exact to the stored numbers.
         let (s_high, t_high) = (s as f32, t as f32);
         let s_low = ((s - f64::from(s_high)) * self.scale) as f32;
         let t_low = ((t - f64::from(t_high)) * self.scale) as f32;
-        let mut lanes = BlockLanes {
-            s: [0.0; LANES],
-            t: [0.0; LANES],
-            slope: [[0.0; LANES]; 4],
-        };
+        let mut normals = [[0.0; LANES]; 2];
         for lane in 0..LANES {
-            lanes.s[lane] = (s_high - block.s[lane].get()) * scale + s_low;
-            lanes.t[lane] = (t_high - block.t[lane].get()) * scale + t_low;
+            normals[0][lane] = (s_high - block.s[lane].get()) * scale + s_low;
+            normals[1][lane] = (t_high - block.t[lane].get()) * scale + t_low;
         }
-        if let Some(slopes) = slopes {
-            for lane in 0..LANES {
-                lanes.slope[0][lane] = scale * slopes.s_x[lane].get();
-                lanes.slope[1][lane] = scale * slopes.s_y[lane].get();
-                lanes.slope[2][lane] = scale * slopes.t_x[lane].get();
-                lanes.slope[3][lane] = scale * slopes.t_y[lane].get();
-            }
+        normals
+    }
+
+    #[inline(always)]
+    #[expect(
+        clippy::indexing_slicing,
+        clippy::needless_range_loop,
+        reason = "arrays of 16 by numbers below 16, which compilers see and checked indexing would hide from them"
+    )]
+    fn wide_slopes(&self, slopes: &WideLobeSlopes) -> [Lanes; 4] {
+        let scale = self.scale as f32;
+        let mut lanes = [[0.0; LANES]; 4];
+        for lane in 0..LANES {
+            lanes[0][lane] = scale * slopes.s_x[lane].get();
+            lanes[1][lane] = scale * slopes.s_y[lane].get();
+            lanes[2][lane] = scale * slopes.t_x[lane].get();
+            lanes[3][lane] = scale * slopes.t_y[lane].get();
         }
         lanes
     }

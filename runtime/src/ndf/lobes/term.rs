@@ -5,7 +5,7 @@
 )]
 
 use super::frame::Frame;
-use crate::lanes::{LANES, Lanes, exponential, inverse_root};
+use crate::lanes::{LANES, Lanes, exponential, inverse_root, least};
 use glintbake_format::view::LobeNormal;
 
 /// The Gaussian of normals of one lobe: a mean, and a covariance R + F Fᵀ.
@@ -79,16 +79,6 @@ impl Term {
     }
 }
 
-/// A block's lobes relative to a half vector, in standard deviations of the kernel.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct BlockLanes {
-    /// The half vector less the normals.
-    pub s: Lanes,
-    pub t: Lanes,
-    /// ∂s/∂x, ∂s/∂y, ∂t/∂x, ∂t/∂y.
-    pub slope: [Lanes; 4],
-}
-
 /// A [`Frame`] for blocks, in f32, and where the first lobe of the block is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BlockFrame {
@@ -126,22 +116,27 @@ impl BlockFrame {
         }
     }
 
-    /// The sum of `exp(-exponent) / √det` over the lobes of `block` whose lane in `counts` is 1, not 0; `first` is p of the first
+    /// The sum of `exp(-exponent) / √det` over the lobes of a block whose lane in `counts` is 1, not 0; `first` is p of the first
     /// one. As [`Term::exponent`], for a residual covariance of 1.
     #[inline(always)]
-    pub fn curved(&self, block: &BlockLanes, first: [f32; 2], counts: &Lanes) -> f32 {
+    pub fn curved(
+        &self,
+        [normals_s, normals_t]: &[Lanes; 2],
+        [s_x, s_y, t_x, t_y]: &[Lanes; 4],
+        first: [f32; 2],
+        counts: &Lanes,
+    ) -> f32 {
         let [a, b, c] = self.whiten;
         let [shift_a, shift_b, shift_c] = self.shift;
         let [[g_x, g_y], [h_x, h_y]] = self.spread;
-        let [s_x, s_y, t_x, t_y] = &block.slope;
         let mut values = [0.0; LANES];
         for lane in 0..LANES {
             // Offsets point from the lobe to the centre, so columns count backwards.
             let p = first[0] - a * COLUMNS[lane] - b * ROWS[lane];
             let q = first[1] - c * ROWS[lane];
             let (x, y) = (shift_a * p, shift_b * p + shift_c * q);
-            let s = block.s[lane] - (s_x[lane] * x + s_y[lane] * y);
-            let t = block.t[lane] - (t_x[lane] * x + t_y[lane] * y);
+            let s = normals_s[lane] - (s_x[lane] * x + s_y[lane] * y);
+            let t = normals_t[lane] - (t_x[lane] * x + t_y[lane] * y);
             let f_s = s_x[lane] * g_x + s_y[lane] * g_y;
             let f_t = t_x[lane] * g_x + t_y[lane] * g_y;
             let g_s = s_x[lane] * h_x + s_y[lane] * h_y;
@@ -157,9 +152,22 @@ impl BlockFrame {
         sum(&values)
     }
 
+    /// The least squared distance of positions and, times `factor`, of normals.
+    #[inline(always)]
+    pub fn least(&self, [s, t]: &[Lanes; 2], first: [f32; 2], factor: f32) -> f32 {
+        let [a, b, c] = self.whiten;
+        let mut squares = [0.0; LANES];
+        for lane in 0..LANES {
+            let p = first[0] - a * COLUMNS[lane] - b * ROWS[lane];
+            let q = first[1] - c * ROWS[lane];
+            squares[lane] = p * p + q * q + factor * (s[lane] * s[lane] + t[lane] * t[lane]);
+        }
+        least(&squares)
+    }
+
     /// As [`curved`](Self::curved) for lobes without slopes.
     #[inline(always)]
-    pub fn flat(&self, s: &Lanes, t: &Lanes, first: [f32; 2], counts: &Lanes) -> f32 {
+    pub fn flat(&self, [s, t]: &[Lanes; 2], first: [f32; 2], counts: &Lanes) -> f32 {
         let [a, b, c] = self.whiten;
         let mut values = [0.0; LANES];
         for lane in 0..LANES {
@@ -187,21 +195,13 @@ fn sum(lanes: &Lanes) -> f32 {
     (a + c) + (b + d)
 }
 
-/// How lobes of a plane lie: those of merged blocks.
-pub(super) fn plane(normal: [f32; 2], slope: [f32; 4], is_curved: bool) -> BlockLanes {
-    let [s_x, s_y, t_x, t_y] = slope;
-    let mut block = BlockLanes {
-        s: [0.0; LANES],
-        t: [0.0; LANES],
-        slope: [[0.0; LANES]; 4],
-    };
+/// The half vector less the normals of a merged block's lobes, whose plane is `normal` off it at the middle.
+pub(super) fn plane(normal: [f32; 2], [s_x, s_y, t_x, t_y]: [f32; 4]) -> [Lanes; 2] {
+    let mut normals = [[0.0; LANES]; 2];
     for lane in 0..LANES {
         let (x, y) = (COLUMNS[lane] - 1.5, ROWS[lane] - 1.5);
-        block.s[lane] = normal[0] - (s_x * x + s_y * y);
-        block.t[lane] = normal[1] - (t_x * x + t_y * y);
+        normals[0][lane] = normal[0] - (s_x * x + s_y * y);
+        normals[1][lane] = normal[1] - (t_x * x + t_y * y);
     }
-    if is_curved {
-        block.slope = slope.map(|slope| [slope; LANES]);
-    }
-    block
+    normals
 }
