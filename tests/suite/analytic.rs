@@ -212,8 +212,8 @@ fn energy_is_one_and_facets_add_up() {
             let mut stream = Stream::new(4);
             for shape in [[1e-4, 1.0], [0.7, 3.0], [4.0, 1.0], [40.0, 1.0]] {
                 let footprint = footprint(&mut stream, &map, shape[0], shape[1]);
-                // Pitches of a third of a deviation or less: then sums are integrals.
-                let energy = energy(&ndf, &footprint, 180);
+                // Steps of 0.7 deviations: sums of Gaussians are then integrals.
+                let energy = energy(&ndf, &footprint, 80);
                 assert!(
                     (energy - 1.0).abs() < 1e-3,
                     "{interpolation:?} {wrap:?} {shape:?}: {energy}"
@@ -242,10 +242,10 @@ fn deviate(
     count: usize,
     mut draw: impl FnMut([f64; 4]) -> Option<HalfVector>,
     density: impl Fn(HalfVector) -> f64,
-    [low, high]: [f64; 2],
+    fine_steps: usize,
 ) -> f64 {
     const CELLS: usize = 24;
-    const FINE: usize = 8;
+    let (low, high) = (-1.0, 1.0);
     let mut counts = vec![0.0; CELLS * CELLS + 1];
     let mut stream = Stream::new(12);
     let size = (high - low) / CELLS as f64;
@@ -258,15 +258,15 @@ fn deviate(
         });
         counts[cell.unwrap_or(CELLS * CELLS)] += 1.0;
     }
-    let fine = size / FINE as f64;
+    let fine = size / fine_steps as f64;
     let mut masses = vec![0.0; CELLS * CELLS + 1];
-    for place in 0..(CELLS * FINE).pow(2) {
-        let (i, j) = (place % (CELLS * FINE), place / (CELLS * FINE));
+    for place in 0..(CELLS * fine_steps).pow(2) {
+        let (i, j) = (place % (CELLS * fine_steps), place / (CELLS * fine_steps));
         let h = HalfVector {
             s: low + (i as f64 + 0.5) * fine,
             t: low + (j as f64 + 0.5) * fine,
         };
-        masses[j / FINE * CELLS + i / FINE] += density(h) * fine * fine;
+        masses[j / fine_steps * CELLS + i / fine_steps] += density(h) * fine * fine;
     }
     masses[CELLS * CELLS] = 1.0 - masses.iter().sum::<f64>();
     let (mut statistic, mut freedom, mut rest) = (0.0, -1.0, [0.0; 2]);
@@ -303,7 +303,7 @@ fn samples_are_drawn_by_the_density() {
                     60_000,
                     |uniform| ndf.sample(&footprint, uniform).expect("in range"),
                     |h| ndf.eval(&footprint, h).expect("in range"),
-                    [-1.0, 1.0],
+                    4,
                 );
                 assert!(
                     found.abs() < 4.5,
@@ -334,7 +334,7 @@ fn the_global_ndf_is_that_of_the_whole_map_and_is_drawn_exactly() {
             200_000,
             |uniform| global.sample(uniform),
             |h| global.eval(h),
-            [-1.0, 1.0],
+            8,
         );
         assert!(found.abs() < 4.5, "{found}");
         let everything = Footprint {

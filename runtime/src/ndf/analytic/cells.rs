@@ -26,6 +26,33 @@ impl Query {
         ]
     }
 
+    /// Whether the footprint reaches no point of the cell at `corner`, in deviations.
+    #[inline(always)]
+    pub fn is_beyond(&self, corner: [f64; 2]) -> bool {
+        far_from(corner, self.frame.edges) >= self.reach_squared
+    }
+
+    /// Whether the query reaches no point of the cell at `corner` in the middle of 4 × 4 whitened normals that cubics go through.
+    ///
+    /// Weights of either axis take an eighth from some texels, at most, to give to others: cubics leave the box of their texels by
+    /// `1/8 + 5/4 · 1/8` of its sides.
+    #[inline(always)]
+    pub fn is_cubic_beyond(&self, corner: [f64; 2], texels: &[[[f64; 2]; 4]; 4]) -> bool {
+        const OVERSHOOT: f64 = 0.281_25;
+        let mut low = [f64::INFINITY; 2];
+        let mut high = [f64::NEG_INFINITY; 2];
+        for [s, t] in texels.as_flattened() {
+            low = [low[0].min(*s), low[1].min(*t)];
+            high = [high[0].max(*s), high[1].max(*t)];
+        }
+        let axis = |low: f64, high: f64| {
+            let room = OVERSHOOT * (high - low);
+            (low - room).max(-(high + room)).max(0.0)
+        };
+        let (s, t) = (axis(low[0], high[0]), axis(low[1], high[1]));
+        far_from(corner, self.frame.edges) + s * s + t * t >= self.reach_squared
+    }
+
     /// The integral over a square of two triangles, in units of the kernel's peak: at `corner`, with edges `across` and
     /// `down`, in deviations, of `area` texel², and the whitened normals of its corners row by row.
     #[inline(always)]

@@ -126,7 +126,8 @@ impl<S: Sink> Visitor for Found<'_, S> {
         let bottom = top.saturating_add(PYRAMID_SIDE).min(height);
         match self.surface.interpolation {
             Interpolation::Linear => self.linear([left, top], [right, bottom])?,
-            Interpolation::None | Interpolation::CatmullRom => {
+            Interpolation::CatmullRom => self.cubic([left, top], [right, bottom])?,
+            Interpolation::None => {
                 for row in top..bottom {
                     for column in left..right {
                         self.one([i64::from(column), i64::from(row)])?;
@@ -179,7 +180,7 @@ impl<S: Sink> Found<'_, S> {
         let edges = query.frame.edges;
         let mut above = [[0.0; 2]; ROW];
         for row in top..=bottom {
-            let normals = self.row_of::<ROW>(left, row)?;
+            let normals = self.row_of::<ROW>(i64::from(left), i64::from(row))?;
             let below = normals.map(|normal| query.whiten(normal));
             if row > top {
                 let line = i64::from(row).wrapping_sub(1);
@@ -212,18 +213,17 @@ impl<S: Sink> Found<'_, S> {
 
     /// `N` normals from texel `left` on in `row`, which may lie beyond the border.
     #[inline(always)]
-    fn row_of<const N: usize>(&self, left: u32, row: u32) -> Result<[[f64; 2]; N], QueryError> {
+    fn row_of<const N: usize>(&self, left: i64, row: i64) -> Result<[[f64; 2]; N], QueryError> {
         let [_, height] = self.surface.normals.size;
-        if row < height
+        if let (Ok(left), Ok(row)) = (u32::try_from(left), u32::try_from(row))
+            && row < height
             && let Some(run) = self.surface.normals.run::<N>(left, row)
         {
             return Ok(run.map(|normal| normal.point()));
         }
         let mut normals = [[0.0; 2]; N];
         for (column, normal) in (0_i64..).zip(&mut normals) {
-            *normal = self
-                .surface
-                .texel(i64::from(left).wrapping_add(column), i64::from(row))?;
+            *normal = self.surface.texel(left.wrapping_add(column), row)?;
         }
         Ok(normals)
     }
@@ -234,6 +234,9 @@ impl<S: Sink> Found<'_, S> {
         let query = self.query;
         let edges = query.frame.edges;
         let corner = self.corner([column, row]);
+        if query.is_beyond(corner) {
+            return Ok(());
+        }
         match self.surface.interpolation {
             Interpolation::None => {
                 let normal = query.whiten(self.surface.texel(column, row)?);
@@ -254,13 +257,55 @@ impl<S: Sink> Found<'_, S> {
             }
             Interpolation::CatmullRom => {
                 let texels = self.surface.around(column, row)?;
-                let normals = vertices(&texels).map(|row| row.map(|normal| query.whiten(normal)));
-                let amount = self.parts(corner, &normals);
-                let [[a, .., b], .., [c, .., d]] = normals;
-                self.tell(amount, corner, [a, b, c, d]);
+                let texels = texels.map(|row| row.map(|normal| query.whiten(normal)));
+                self.cubic_cell(corner, &texels);
             }
         }
         Ok(())
+    }
+
+    /// The cells of a block in 4 × 4 parts each: every texel is read once.
+    #[inline(always)]
+    fn cubic(
+        &mut self,
+        [left, top]: [u32; 2],
+        [right, bottom]: [u32; 2],
+    ) -> Result<(), QueryError> {
+        const ROW: usize = PYRAMID_SIDE as usize + 3;
+        let query = self.query;
+        let mut texels = [[[0.0; 2]; ROW]; ROW];
+        let first = i64::from(left).wrapping_sub(1);
+        for (row, line) in (i64::from(top).wrapping_sub(1)..).zip(&mut texels) {
+            *line = self
+                .row_of::<ROW>(first, row)?
+                .map(|normal| query.whiten(normal));
+        }
+        for (row, lines) in (top..bottom).zip(texels.windows(4)) {
+            let [a, b, c, d] = lines else { continue };
+            for (column, start) in (left..right).zip(0_usize..) {
+                let part = |line: &[[f64; 2]; ROW]| line.get(start..)?.first_chunk::<4>().copied();
+                let (Some(a), Some(b), Some(c), Some(d)) = (part(a), part(b), part(c), part(d))
+                else {
+                    continue;
+                };
+                let corner = self.corner([i64::from(column), i64::from(row)]);
+                self.cubic_cell(corner, &[a, b, c, d]);
+            }
+        }
+        Ok(())
+    }
+
+    /// The cell at `corner` in the middle of whitened `texels`.
+    #[inline(always)]
+    fn cubic_cell(&mut self, corner: [f64; 2], texels: &[[[f64; 2]; 4]; 4]) {
+        if self.query.is_cubic_beyond(corner, texels) {
+            return;
+        }
+        // Weights add up to 1, so that whitened texels give whitened vertices.
+        let normals = vertices(texels);
+        let amount = self.parts(corner, &normals);
+        let [[a, .., b], .., [c, .., d]] = normals;
+        self.tell(amount, corner, [a, b, c, d]);
     }
 
     /// The 4 × 4 parts of a cell.
