@@ -152,13 +152,7 @@ fn lattice_name<S: serde::Serializer>(
     lattice: &Option<LobeLattice>,
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
-    let name = |lattice: LobeLattice| match (lattice.curved, lattice.per_side) {
-        (true, 1) => "curved",
-        (true, _) => "curved, four a texel",
-        (false, 1) => "flat",
-        (false, _) => "flat, four a texel",
-    };
-    serializer.serialize_str(lattice.map_or("default", name))
+    serializer.serialize_str(lattice.map_or("default", LobeLattice::name))
 }
 
 #[expect(clippy::ref_option, reason = "the signature is serde's")]

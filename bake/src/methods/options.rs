@@ -2,7 +2,7 @@
 
 use crate::error::BakeError;
 use crate::recipe::{DEFAULT_LEAF_SIZE, MethodRecipe};
-use glintbake_format::model::{Interpolation, Kernel, Method};
+use glintbake_format::model::{Interpolation, Kernel, LobeLattice, Method};
 use glintbake_format::records::InverseKind;
 
 /// An option that not every method has.
@@ -64,12 +64,7 @@ const OPTIONS: &[Owned] = &[
     },
     Owned {
         option: "--lobes",
-        value: |recipe| {
-            let lattice = recipe.lattice?;
-            let kind = if lattice.curved { "curved" } else { "flat" };
-            let count = if lattice.per_side == 1 { "" } else { "-4" };
-            Some(format!("{kind}{count}"))
-        },
+        value: |recipe| recipe.lattice.map(LobeLattice::name).map(str::to_owned),
         owners: &[Method::Lobes],
         thing: "lobes",
     },

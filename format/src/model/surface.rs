@@ -73,6 +73,28 @@ pub struct LobeLattice {
 }
 
 impl LobeLattice {
+    /// Every lattice: curved and flat lobes, one and four a texel.
+    pub const ALL: &'static [Self] = &[
+        Self::new(true, 1),
+        Self::new(false, 1),
+        Self::new(true, 2),
+        Self::new(false, 2),
+    ];
+
+    const fn new(curved: bool, per_side: u8) -> Self {
+        Self { curved, per_side }
+    }
+
+    /// The word used on the command line and in metadata: `curved` or `flat`, with `-4` if there are four lobes a texel.
+    pub const fn name(self) -> &'static str {
+        match (self.curved, self.per_side) {
+            (true, 1) => "curved",
+            (true, _) => "curved-4",
+            (false, 1) => "flat",
+            (false, _) => "flat-4",
+        }
+    }
+
     /// Standard deviation σh of a lobe's position as a share of the spacing of lobes, `1 / √(8 ln 2)`: a full width at half
     /// maximum of one spacing \[YHMR16\].
     pub const DEVIATION: f64 = 0.424_660_900_144_009_5;
