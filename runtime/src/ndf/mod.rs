@@ -25,7 +25,7 @@ use crate::error::QueryError;
 use crate::microfacet::Masking;
 use crate::microfacet::vector::dot;
 use glintbake_format::Container;
-use glintbake_format::model::{Filter, Footprint, HalfVector, Method};
+use glintbake_format::model::{Filter, Footprint, HalfVector, Method, Neighbourhood};
 use glintbake_format::records::Instance;
 
 /// One term of a P-NDF: facets of one normal, or so near that the method treats them as one.
@@ -177,10 +177,52 @@ impl<'a> SurfaceNdf<'a> {
     pub fn setting_name(&self) -> &'static str {
         match self {
             Self::FlakeBins(ndf) => ndf.setting().name(),
+            Self::Lobes(ndf) if ndf.is_raw_sum() => "paper",
             Self::SpecularBins(_) | Self::Lean(_) | Self::ClusterTree(_) | Self::Lobes(_) => {
                 "default"
             }
             Self::Analytic(ndf) => ndf.form().name(),
+        }
+    }
+
+    /// The least and the greatest Beckmann roughness α that `method` answers for, whatever was baked; `None` if it answers for what
+    /// was baked alone.
+    pub const fn roughness_range(method: Method) -> Option<[f64; 2]> {
+        match method {
+            Method::FlakeBins | Method::SpecularBins | Method::Lean => None,
+            Method::ClusterTree => Some(ClusterTree::ROUGHNESS),
+            Method::Lobes => Some(Lobes::ROUGHNESS),
+            Method::Analytic => Some(Analytic::ROUGHNESS),
+        }
+    }
+
+    /// The same P-NDF for Beckmann roughness `alpha` (σr = α / √2), which methods with a
+    /// [`roughness_range`](Self::roughness_range) take; that of the instance unless this says otherwise. Nothing is computed ahead.
+    ///
+    /// # Errors
+    /// [`QueryError::RoughnessRange`] if `alpha` is out of that range, [`QueryError::SettingUnsupported`] of methods without one.
+    pub fn with_roughness(self, alpha: f64) -> Result<Self, QueryError> {
+        match self {
+            Self::FlakeBins(_) => Err(QueryError::SettingUnsupported(Method::FlakeBins)),
+            Self::SpecularBins(_) => Err(QueryError::SettingUnsupported(Method::SpecularBins)),
+            Self::Lean(_) => Err(QueryError::SettingUnsupported(Method::Lean)),
+            Self::ClusterTree(ndf) => ndf.with_roughness(alpha).map(Self::ClusterTree),
+            Self::Lobes(ndf) => ndf.with_roughness(alpha).map(Self::Lobes),
+            Self::Analytic(ndf) => ndf.with_roughness(alpha).map(Self::Analytic),
+        }
+    }
+
+    /// The same P-NDF as the method's paper has it: the 21 bins of `flake-bins` (\[AWKK21\] eq. 15), the plain sum of `lobes`
+    /// (\[YHMR16\]), the fitted error functions of `analytic` (\[YHJ*14\] eq. 9 to 12). Its
+    /// [`setting_name`](Self::setting_name) is `paper` then.
+    ///
+    /// # Errors
+    /// [`QueryError::SettingUnsupported`] of methods that have one form only.
+    pub fn with_paper_form(self) -> Result<Self, QueryError> {
+        match self {
+            Self::Lobes(ndf) => Ok(Self::Lobes(ndf.with_raw_sum(true))),
+            Self::Analytic(ndf) => Ok(Self::Analytic(ndf.with_form(TriangleForm::Paper))),
+            other => other.with_setting(Setting::Binned(Neighbourhood::Bins21)),
         }
     }
 

@@ -38,9 +38,6 @@ use glintbake_format::{Container, Fault, Finding};
 use placed::{Frame, Placed};
 use surface::Surface;
 
-/// Roughnesses α that queries may ask for.
-const ROUGHNESS: core::ops::RangeInclusive<f64> = 1e-6..=10.0;
-
 /// Reaches that queries may ask for, in standard deviations.
 const REACHES: core::ops::RangeInclusive<f64> = 1.0..=12.0;
 
@@ -63,6 +60,9 @@ pub struct Analytic<'a> {
 }
 
 impl<'a> Analytic<'a> {
+    /// The least and the greatest Beckmann roughness α it answers for.
+    pub const ROUGHNESS: [f64; 2] = [1e-6, 10.0];
+
     /// The P-NDF of `instance` of `container`, which must have been baked for this method.
     ///
     /// # Errors
@@ -97,11 +97,10 @@ impl<'a> Analytic<'a> {
     /// # Errors
     /// [`QueryError::RoughnessRange`].
     pub fn with_roughness(mut self, roughness: f64) -> Result<Self, QueryError> {
-        if !ROUGHNESS.contains(&roughness) {
-            return Err(QueryError::RoughnessRange {
-                least: *ROUGHNESS.start(),
-                most: *ROUGHNESS.end(),
-            });
+        let [least, most] = Self::ROUGHNESS;
+        // Written so that NaN is refused.
+        if !(roughness >= least && roughness <= most) {
+            return Err(QueryError::RoughnessRange { least, most });
         }
         self.roughness = roughness;
         self.instance.roughness = Some(roughness);

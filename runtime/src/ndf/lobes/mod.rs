@@ -36,9 +36,6 @@ use lattice::Line;
 use placed::{Placed, lattice_sum};
 use term::Term;
 
-/// Roughnesses α that queries may ask for.
-const ROUGHNESS: core::ops::RangeInclusive<f64> = 1e-6..=10.0;
-
 /// What is drawn farther out is no sample: as far as sums reach, less rounding.
 const SAMPLED: f64 = 0.999 * 0.5 * REACH * REACH;
 
@@ -55,6 +52,9 @@ pub struct Lobes<'a> {
 }
 
 impl<'a> Lobes<'a> {
+    /// The least and the greatest Beckmann roughness α it answers for.
+    pub const ROUGHNESS: [f64; 2] = [1e-6, 10.0];
+
     /// The P-NDF of `instance` of `container`, which must have been baked for this method.
     ///
     /// # Errors
@@ -81,13 +81,13 @@ impl<'a> Lobes<'a> {
     /// # Errors
     /// [`QueryError::RoughnessRange`].
     pub fn with_roughness(mut self, roughness: f64) -> Result<Self, QueryError> {
-        if !ROUGHNESS.contains(&roughness) {
-            return Err(QueryError::RoughnessRange {
-                least: *ROUGHNESS.start(),
-                most: *ROUGHNESS.end(),
-            });
+        let [least, most] = Self::ROUGHNESS;
+        // Written so that NaN is refused.
+        if !(roughness >= least && roughness <= most) {
+            return Err(QueryError::RoughnessRange { least, most });
         }
         self.roughness = roughness;
+        self.instance.roughness = Some(roughness);
         Ok(self)
     }
 
