@@ -1,15 +1,18 @@
 //! `bake`
 
+use super::decode::DecodeArgs;
 use super::roughness::RoughnessArgs;
 use super::select::{filter, kernel, method};
 use crate::exit::{CommandError, Failure};
 use clap::Args;
 use glintbake_bake::image::ReadOptions;
-use glintbake_bake::normals::{Channels, DecodeOptions, GreenAxis, Input, Range, Zero};
 use glintbake_bake::{
     BakeError, DEFAULT_LEAF_SIZE, DEFAULT_METHOD, DEFAULT_ROUGHNESS, MethodRecipe, Recipe,
+    default_filter,
 };
-use glintbake_format::model::{Filter, Kernel, Method, Wrap, beckmann_from_intrinsic};
+use glintbake_format::model::{
+    Filter, Interpolation, Kernel, LobeLattice, Method, beckmann_from_intrinsic,
+};
 use glintbake_format::records::InverseKind;
 use std::path::PathBuf;
 
@@ -17,7 +20,8 @@ use std::path::PathBuf;
 fn roughness_help() -> String {
     format!(
         "Beckmann roughnesses α, with commas between, an instance for each. flake-bins and lean answer for these alone; \
-         cluster-tree for any, and for the first if a query names none [default for cluster-tree: {DEFAULT_ROUGHNESS}]"
+         cluster-tree, lobes and analytic for any, and for the first if a query names none [default for these three: \
+         {DEFAULT_ROUGHNESS}]. lobes are rounded for the least of them: name the sharpest that will be asked for"
     )
 }
 
@@ -33,7 +37,9 @@ pub struct BakeArgs {
     pub output: PathBuf,
 
     /// Methods to bake for, with commas between: cluster-tree (any roughness, within an error), flake-bins (bins of one
-    /// roughness), specular-bins (mirrors), lean (one Gaussian lobe, for distant surfaces) [default: cluster-tree]
+    /// roughness), specular-bins (mirrors), lean (one Gaussian lobe, for distant surfaces), lobes (Gaussian lobes of
+    /// position and normal, any roughness), analytic (integrals over interpolated normals, any roughness)
+    /// [default: cluster-tree]
     #[arg(long, value_delimiter = ',', value_parser = method)]
     pub method: Vec<Method>,
 
@@ -45,9 +51,10 @@ pub struct BakeArgs {
     #[arg(long, value_name = "N")]
     pub bins: Option<u32>,
 
-    /// How the footprint of a query that names no filter weighs texels: box or gaussian
-    #[arg(long, default_value = "box", value_parser = filter)]
-    pub filter: Filter,
+    /// How the footprint of a query that names no filter weighs texels: box or gaussian [default: box; gaussian for
+    /// lobes and analytic, which have no other]
+    #[arg(long, value_parser = filter)]
+    pub filter: Option<Filter>,
 
     /// How flake-bins and specular-bins find the texels of a bin: tiles, forest, none (the bin map is scanned), or
     /// auto for what costs least
@@ -66,6 +73,18 @@ pub struct BakeArgs {
     #[arg(long, value_parser = kernel)]
     pub kernel: Option<Kernel>,
 
+    /// Lobes of lobes: curved or flat, one a texel, or four with -4 [default: curved]
+    #[arg(long, value_name = "KIND", value_parser = lobes)]
+    pub lobes: Option<LobeLattice>,
+
+    /// Most that merging of near-equal lobes may change a density, as a share of a lobe's peak [default: 0.0005]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    pub merge_error: Option<f64>,
+
+    /// How normals continue between texels, for analytic: none (flakes), linear, or catmull-rom [default: linear]
+    #[arg(long, value_name = "KIND", value_parser = interpolation)]
+    pub interpolate: Option<Interpolation>,
+
     /// Store true normals beside flake-bins (4 bytes a texel), for `query --exact`
     #[arg(long)]
     pub exact_normals: bool,
@@ -83,7 +102,8 @@ pub struct BakeArgs {
     pub decode: DecodeArgs,
 
     /// Most memory a bake may take, as in 6GB or 500MB; a map that would take more is refused before it is read.
-    /// Counted as 8 bytes a texel, 12 for each instance with bins, 20 for lean, 24 for cluster-tree and 4 for --raster-normals
+    /// Counted as 8 bytes a texel, 12 for each instance with bins, 20 for lean, 24 for cluster-tree, 40 for each lobe of
+    /// lobes, 12 for analytic, and 4 each for --exact-normals and --raster-normals
     #[arg(long, default_value = "16GB", value_name = "SIZE", value_parser = memory)]
     pub memory: u64,
 
@@ -104,94 +124,18 @@ pub struct BakeArgs {
     pub json: bool,
 }
 
-/// How an image becomes normals.
-#[derive(Debug, Args)]
-pub struct DecodeArgs {
-    /// What the image holds: normal or height
-    #[arg(long, default_value_t, value_parser = word(Input::from_name, Input::ALL))]
-    pub input: Input,
-
-    /// Height of white above black in texels, for --input height
-    #[arg(
-        long,
-        default_value_t = 1.0,
-        value_name = "TEXELS",
-        allow_negative_numbers = true
-    )]
-    pub height_scale: f64,
-
-    /// Where the normal's components are: xyz, xy, rg, ga, ra, or ag (s in alpha, t in green)
-    #[arg(long, default_value_t, value_parser = word(Channels::from_name, Channels::ALL))]
-    pub channels: Channels,
-
-    /// Green up (gl: OpenGL, glTF) or down (dx: DirectX)
-    #[arg(long = "y", default_value_t, value_parser = word(GreenAxis::from_name, GreenAxis::ALL))]
-    pub green: GreenAxis,
-
-    /// Samples from 0 to 1 (unorm) or -1 to 1 (snorm); auto: integers unorm, floats snorm
-    #[arg(long, default_value_t, value_parser = word(Range::from_name, Range::ALL))]
-    pub range: Range,
-
-    /// Integer that means zero: 127.5 or 128 (32767.5 or 32768 at 16 bit)
-    #[arg(long, default_value_t, value_parser = word(Zero::from_name, Zero::ALL))]
-    pub zero: Zero,
-
-    /// How the map continues beyond its border: repeat or clamp
-    #[arg(long, default_value = "repeat", value_parser = wrap)]
-    pub wrap: Wrap,
-
-    /// Give texels that cannot be a normal the nearest valid one instead of refusing the map
-    #[arg(long)]
-    pub repair: bool,
-
-    /// Layer of an EXR file
-    #[arg(long, value_name = "NAME")]
-    pub exr_layer: Option<String>,
-
-    /// Channels of an EXR file, in order, with commas between
-    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
-    pub exr_channels: Option<Vec<String>>,
+/// The lobes called `name`; for the command line.
+fn lobes(name: &str) -> Result<LobeLattice, String> {
+    let mut all = LobeLattice::ALL.iter().copied();
+    all.find(|lattice| lattice.name() == name)
+        .ok_or_else(|| "it must be one of curved, flat, curved-4, flat-4".to_owned())
 }
 
-impl DecodeArgs {
-    /// A recipe without methods that reads images as these arguments say.
-    pub fn recipe(&self) -> Recipe {
-        Recipe {
-            exr_layer: self.exr_layer.clone(),
-            exr_channels: self.exr_channels.clone(),
-            decode: DecodeOptions {
-                input: self.input,
-                height_scale: self.height_scale,
-                channels: self.channels,
-                green: self.green,
-                range: self.range,
-                zero: self.zero,
-                wrap: self.wrap,
-                repair: self.repair,
-            },
-            methods: Vec::new(),
-        }
-    }
-}
-
-/// A parser for the words of `all`.
-fn word<T: Copy + std::fmt::Display + Send + Sync + 'static>(
-    from_name: fn(&str) -> Option<T>,
-    all: &'static [T],
-) -> impl Fn(&str) -> Result<T, String> + Clone {
-    move |name| {
-        from_name(name).ok_or_else(|| {
-            let words: Vec<_> = all.iter().map(T::to_string).collect();
-            format!("it must be one of {}", words.join(", "))
-        })
-    }
-}
-
-fn wrap(name: &str) -> Result<Wrap, String> {
-    [Wrap::Repeat, Wrap::Clamp]
-        .into_iter()
-        .find(|wrap| wrap.name() == name)
-        .ok_or_else(|| "it must be one of repeat, clamp".to_owned())
+/// The interpolation called `name`; for the command line.
+pub(super) fn interpolation(name: &str) -> Result<Interpolation, String> {
+    let mut all = Interpolation::ALL.iter().copied();
+    all.find(|interpolation| interpolation.name() == name)
+        .ok_or_else(|| "it must be one of none, linear, catmull-rom".to_owned())
 }
 
 /// How the texels of a bin are to be found; `None` to choose by cost.
@@ -224,6 +168,26 @@ fn memory(text: &str) -> Result<u64, String> {
 /// Roughnesses nearer than this part of themselves are one to a query: see `Package::find`.
 const SAME_ROUGHNESS: f64 = 1e-9;
 
+/// Methods that have bins.
+const BINNED: &[Method] = &[Method::FlakeBins, Method::SpecularBins];
+
+/// Methods that have a roughness.
+const ROUGH: &[Method] = &[
+    Method::FlakeBins,
+    Method::Lean,
+    Method::ClusterTree,
+    Method::Lobes,
+    Method::Analytic,
+];
+
+/// Methods that answer for boxes; the others for Gaussians alone.
+const BOXED: &[Method] = &[
+    Method::FlakeBins,
+    Method::SpecularBins,
+    Method::Lean,
+    Method::ClusterTree,
+];
+
 fn usage(message: String) -> CommandError {
     CommandError::new(Failure::Usage, message)
 }
@@ -231,8 +195,9 @@ fn usage(message: String) -> CommandError {
 impl BakeArgs {
     /// The recipe these arguments ask for.
     ///
-    /// Roughness goes to the methods that have one, bins to those that count them, so that one command line can
-    /// bake several; an option that no method of the list takes is left with the first, which refuses it.
+    /// Roughness goes to the methods that have one, bins to those that count them, boxes to those that answer for them, so
+    /// that one command line can bake several; an option that no method of the list takes is left with the first, which
+    /// refuses it.
     ///
     /// # Errors
     /// [`Failure::Usage`] if the recipe cannot be baked, or names anything twice: queries find the first only.
@@ -249,9 +214,10 @@ impl BakeArgs {
         if let Some(leaf_size) = self.leaf_size
             && self.index.0 != Some(InverseKind::Forest)
         {
-            let method = match methods {
-                [Method::ClusterTree] => "--method flake-bins ",
-                _ => "",
+            let method = if methods.iter().any(|method| BINNED.contains(method)) {
+                ""
+            } else {
+                "--method flake-bins "
             };
             return Err(usage(format!(
                 "--leaf-size {leaf_size}: only a forest has leaves to choose; add {method}--index forest"
@@ -319,13 +285,20 @@ impl BakeArgs {
             .iter()
             .map(|&method| {
                 let goes = |takers: &[Method]| self.goes_to(method, takers);
-                let rough = goes(&[Method::FlakeBins, Method::Lean, Method::ClusterTree]);
-                let binned = goes(&[Method::FlakeBins, Method::SpecularBins]);
+                let binned = goes(BINNED);
+                let filter = self
+                    .filter
+                    .filter(|&filter| filter == Filter::Gaussian || goes(BOXED))
+                    .unwrap_or(default_filter(method));
                 MethodRecipe {
                     method,
-                    roughness: if rough { roughness.clone() } else { Vec::new() },
+                    roughness: if goes(ROUGH) {
+                        roughness.clone()
+                    } else {
+                        Vec::new()
+                    },
                     bins: self.bins.filter(|_| goes(&[Method::SpecularBins])),
-                    filter: self.filter,
+                    filter,
                     inverse: self.index.0.filter(|_| binned),
                     leaf_size: self
                         .leaf_size
@@ -333,9 +306,9 @@ impl BakeArgs {
                         .unwrap_or(DEFAULT_LEAF_SIZE),
                     finest_level: self.finest_level.filter(|_| goes(&[Method::Lean])),
                     kernel: self.kernel.filter(|_| goes(&[Method::ClusterTree])),
-                    lattice: None,
-                    merge_error: None,
-                    interpolation: None,
+                    lattice: self.lobes.filter(|_| goes(&[Method::Lobes])),
+                    merge_error: self.merge_error.filter(|_| goes(&[Method::Lobes])),
+                    interpolation: self.interpolate.filter(|_| goes(&[Method::Analytic])),
                     exact_normals: self.exact_normals && goes(&[Method::FlakeBins]),
                     raster_normals: self.raster_normals && goes(&[Method::ClusterTree]),
                     masking: !self.no_masking,

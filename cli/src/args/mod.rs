@@ -1,12 +1,14 @@
 //! The command line, typed.
 
 mod bake;
+mod decode;
 mod report;
 mod roughness;
 mod select;
 mod stress;
 
-pub use bake::{BakeArgs, DecodeArgs};
+pub use bake::BakeArgs;
+pub use decode::DecodeArgs;
 pub use report::ReportArgs;
 pub use roughness::RoughnessArgs;
 pub use select::{QuerySettings, SettingArgs};

@@ -1,6 +1,6 @@
 //! `report`
 
-use super::bake::DecodeArgs;
+use super::decode::DecodeArgs;
 use super::roughness::RoughnessArgs;
 use super::select::{filter, method};
 use crate::exit::{CommandError, Failure};
@@ -35,7 +35,8 @@ pub struct ReportArgs {
     #[arg(long)]
     pub quick: bool,
 
-    /// Methods to measure, with commas between: flake-bins, specular-bins, lean, cluster-tree; all if left out
+    /// Methods to measure, with commas between: flake-bins, specular-bins, lean, cluster-tree, lobes, analytic; all if left
+    /// out
     #[arg(long, value_delimiter = ',', value_parser = method)]
     pub method: Vec<Method>,
 

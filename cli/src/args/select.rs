@@ -2,23 +2,24 @@
 
 use crate::exit::{CommandError, Failure};
 use clap::Args;
+use glintbake_bake::default_filter;
 use glintbake_format::model::{
-    Filter, Kernel, METHODS, Method, Neighbourhood, beckmann_from_intrinsic,
-    intrinsic_from_beckmann,
+    Filter, Kernel, METHODS, Method, beckmann_from_intrinsic, intrinsic_from_beckmann,
 };
 use glintbake_format::records::Structure;
 use glintbake_runtime::ndf::DEFAULT_TOLERANCE;
-use glintbake_runtime::{Accuracy, ClusterTree, Ndf, Package, Setting, SurfaceNdf};
+use glintbake_runtime::{Accuracy, Ndf, Package, Setting, SurfaceNdf};
 
 /// What to evaluate; all of it can be left out.
 #[derive(Debug, Args, Clone, Default)]
 pub struct SettingArgs {
-    /// Method to answer with, cluster-tree, flake-bins, specular-bins or lean; the package's first if left out
+    /// Method to answer with, cluster-tree, flake-bins, specular-bins, lean, lobes or analytic; the package's first if left
+    /// out
     #[arg(long, value_parser = method)]
     pub method: Option<Method>,
 
-    /// Beckmann roughness α: for cluster-tree any from 0.0001 to 1, else one that was baked; the package's first if left
-    /// out
+    /// Beckmann roughness α: for cluster-tree any from 0.0001 to 1, for lobes and analytic any from 0.000001 to 10, else one
+    /// that was baked; the package's first if left out
     #[arg(
         long,
         value_name = "ALPHA",
@@ -31,7 +32,8 @@ pub struct SettingArgs {
     #[arg(long, value_name = "SIGMA", allow_negative_numbers = true)]
     pub intrinsic_roughness: Option<f64>,
 
-    /// How the footprint weighs texels, box or gaussian; the package's default if left out
+    /// How the footprint weighs texels, box or gaussian (the one filter of lobes and analytic); the package's default if
+    /// left out
     #[arg(long, value_parser = filter)]
     pub filter: Option<Filter>,
 
@@ -54,7 +56,8 @@ pub struct SettingArgs {
     #[arg(long, conflicts_with = "paper")]
     pub exact: bool,
 
-    /// The paper's 21 bins of flake-bins (Atanasov 2021 eq. 15) instead of 45
+    /// As the method's paper has it: 21 bins of flake-bins (Atanasov 2021 eq. 15) instead of 45, the plain sum of lobes
+    /// (Yan 2016), the fitted error functions of analytic (Yan 2014 eq. 9 to 12)
     #[arg(long)]
     pub paper: bool,
 }
@@ -119,6 +122,26 @@ fn of_trees_alone(
     )
 }
 
+/// Refuses boxes where `method` answers for Gaussians alone, with a method of `package` that takes them, if there is one.
+fn check_boxes(method: Method, package: &Package<'_>) -> Result<(), CommandError> {
+    let is_boxed = |method| default_filter(method) == Filter::Box;
+    if is_boxed(method) {
+        return Ok(());
+    }
+    let mut others = package.instances().map(|instance| instance.method);
+    let remedy = match others.find(|&other| is_boxed(other)) {
+        Some(other) => format!("add --method {}", other.name()),
+        None => "bake with --method cluster-tree for boxes".to_owned(),
+    };
+    Err(CommandError::new(
+        Failure::Usage,
+        format!(
+            "--filter box: {} is made for Gaussian footprints; {remedy}, or leave it out",
+            method.name()
+        ),
+    ))
+}
+
 /// An instance under a setting, and the words for it.
 #[derive(Debug)]
 pub struct QuerySettings<'a> {
@@ -138,19 +161,18 @@ impl SettingArgs {
         let roughness = self
             .roughness
             .or(self.intrinsic_roughness.map(beckmann_from_intrinsic));
-        // A cluster tree serves every roughness, so that one baked for another will do.
-        let tree = || match self.method {
-            None | Some(Method::ClusterTree) => package.find(Some(Method::ClusterTree), None),
-            Some(_) => None,
+        // A method of every roughness serves one that was not baked, too.
+        let of_any_roughness = || {
+            package.instances().find(|instance| {
+                let is_asked = self.method.is_none_or(|method| method == instance.method);
+                is_asked && SurfaceNdf::roughness_range(instance.method).is_some()
+            })
         };
         let instance = package
             .find(self.method, roughness)
-            .or_else(tree)
+            .or_else(of_any_roughness)
             .ok_or_else(|| self.not_baked(package))?;
-        match instance.method {
-            Method::ClusterTree => self.check_for_tree(roughness)?,
-            other => self.check_for_another(other, package)?,
-        }
+        self.check(instance.method, roughness, package)?;
         let filter = self.filter.unwrap_or(instance.filter);
         let tolerance = self.tolerance.unwrap_or(DEFAULT_TOLERANCE);
         let tolerance_said = match filter {
@@ -183,13 +205,13 @@ impl SettingArgs {
         if self.exact {
             ndf = ndf.with_setting(Setting::Exact)?;
         } else if self.paper {
-            ndf = ndf.with_setting(Setting::Binned(Neighbourhood::Bins21))?;
+            ndf = ndf.with_paper_form()?;
+        }
+        if let (Some(alpha), Some(_)) = (roughness, SurfaceNdf::roughness_range(instance.method)) {
+            ndf = ndf.with_roughness(alpha)?;
         }
         let mut kernel = instance.kernel();
         if let SurfaceNdf::ClusterTree(tree) = &mut ndf {
-            if let Some(alpha) = roughness {
-                *tree = tree.with_roughness(alpha)?;
-            }
             kernel = self.kernel.unwrap_or(kernel);
             let eps = self.eps.unwrap_or(Accuracy::DEFAULT);
             *tree = tree.with_kernel(kernel)?.with_accuracy(Accuracy::Fast(eps));
@@ -205,7 +227,7 @@ impl SettingArgs {
             Structure::Clusters { .. } => {
                 format!("eps={}", self.eps.unwrap_or(Accuracy::DEFAULT))
             }
-            Structure::Lobes(lattice) => format!("lobes={}", lattice.per_side * lattice.per_side),
+            Structure::Lobes(lattice) => format!("lobes={}", lattice.name()),
             Structure::Surface { interpolation } => {
                 format!("interpolation={}", interpolation.name())
             }
@@ -251,31 +273,57 @@ impl SettingArgs {
         })
     }
 
-    /// Refuses options of `cluster-tree` for another `method`.
-    fn check_for_another(&self, method: Method, package: &Package<'_>) -> Result<(), CommandError> {
-        let given = [
+    /// Refuses what `method` does not answer for: options of others, boxes, and a `roughness` out of its range.
+    fn check(
+        &self,
+        method: Method,
+        roughness: Option<f64>,
+        package: &Package<'_>,
+    ) -> Result<(), CommandError> {
+        let of_trees = [
             ("--kernel", self.kernel.is_some()),
             ("--eps", self.eps.is_some()),
         ];
-        let Some((option, _)) = given.iter().find(|(_, is_given)| *is_given) else {
-            return Ok(());
-        };
-        let why = "only cluster-tree has a choice of it";
-        Err(of_trees_alone(option, why, "", method, package))
+        if method != Method::ClusterTree
+            && let Some((option, _)) = of_trees.iter().find(|(_, is_given)| *is_given)
+        {
+            let why = "only cluster-tree has a choice of it";
+            return Err(of_trees_alone(option, why, "", method, package));
+        }
+        if self.filter == Some(Filter::Box) {
+            check_boxes(method, package)?;
+        }
+        match SurfaceNdf::roughness_range(method) {
+            Some(range) => self.check_for_any_roughness(method, roughness, range),
+            None => Ok(()),
+        }
     }
 
-    /// Refuses, for `cluster-tree`, options of another method and a `roughness` that it does not answer for.
-    fn check_for_tree(&self, roughness: Option<f64>) -> Result<(), CommandError> {
-        let given = [("--exact", self.exact), ("--paper", self.paper)];
-        if let Some((option, _)) = given.iter().find(|(_, is_given)| *is_given) {
+    /// Refuses, for a `method` of every roughness, options of another method and a `roughness` out of `range`.
+    fn check_for_any_roughness(
+        &self,
+        method: Method,
+        roughness: Option<f64>,
+        [least, most]: [f64; 2],
+    ) -> Result<(), CommandError> {
+        let has_paper_form = method != Method::ClusterTree;
+        let given = [
+            ("--exact", "flake-bins", self.exact),
+            (
+                "--paper",
+                "flake-bins, lobes and analytic",
+                self.paper && !has_paper_form,
+            ),
+        ];
+        if let Some((option, owners, _)) = given.iter().find(|(.., is_given)| *is_given) {
             return Err(CommandError::new(
                 Failure::NotBaked,
                 format!(
-                    "{option}: a setting of flake-bins, and cluster-tree answers, from every texel's own normal within --eps; leave it out"
+                    "{option}: a setting of {owners}, and {} answers, from every texel's own normal; leave it out",
+                    method.name()
                 ),
             ));
         }
-        let [least, most] = ClusterTree::ROUGHNESS;
         // Written so that NaN is refused.
         match roughness.filter(|&alpha| !(alpha >= least && alpha <= most)) {
             Some(alpha) => Err(CommandError::new(
@@ -315,8 +363,8 @@ impl SettingArgs {
         let baked: Vec<_> = package
             .instances()
             .map(|instance| match instance.roughness {
-                _ if instance.method == Method::ClusterTree => {
-                    "cluster-tree with any roughness".to_owned()
+                _ if SurfaceNdf::roughness_range(instance.method).is_some() => {
+                    format!("{} with any roughness", instance.method.name())
                 }
                 Some(alpha) => format!(
                     "{} with roughness {alpha} (intrinsic {:.6})",

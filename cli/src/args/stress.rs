@@ -1,6 +1,6 @@
 //! `stress`
 
-use super::bake::DecodeArgs;
+use super::decode::DecodeArgs;
 use clap::Args;
 use std::path::PathBuf;
 
