@@ -1,19 +1,21 @@
-//! Normals that lie on a lattice, as those of 8-bit maps do, and flakes too sharp to bridge its steps.
+//! Flakes too sharp for a package's normals: those of 8-bit maps lie on a lattice, and those of lobes are rounded.
 
 use super::{describe, open};
 use crate::args::{OpenArgs, QuerySettings};
 use crate::output::Console;
-use glintbake_format::model::{
-    Binning, Interpolation, LobeLattice, Method, intrinsic_from_beckmann,
-};
+use glintbake_format::model::{Binning, Interpolation, LobeLattice, intrinsic_from_beckmann};
 use glintbake_format::records::{Instance, Structure};
-use glintbake_runtime::Ndf;
+use glintbake_runtime::{Ndf, Package, SurfaceNdf};
 use serde_json::Value;
 use std::fmt::Display;
 
 /// Steps of more standard deviations of a flake than that show: Gaussians at such a distance add up to a ripple of 9 %,
 /// 2 exp(-2 π² / 2.5²) of their sum to either side.
 const BRIDGED_STEP: f64 = 2.5;
+
+/// Lobes are rounded for the least roughness of the bake; what that does to a density grows as roughness falls, and shows from
+/// this part of it on: merging within the default, then by 0.5 % of a lobe's peak.
+const ROUNDED_SHARE: f64 = 0.1;
 
 /// Warns if `instance`, whose map is called `name` and has `metadata`, is sharper than the lattice of the map's normals:
 /// the surface then glints in rows.
@@ -55,15 +57,41 @@ pub(super) fn warn_of_query(
 ) {
     let path = &arguments.package;
     let asked = chosen.ndf.instance();
-    if asked.method != Method::ClusterTree {
+    if SurfaceNdf::roughness_range(asked.method).is_none() {
         return;
     }
     // What cannot be read is the business of `verify`: the answer does not depend on it.
     let Ok(package) = open::package(path, bytes) else {
         return;
     };
+    if let Structure::Lobes(_) = asked.structure {
+        warn_of_rounding(console, path.display(), &package, asked);
+    }
     let baked = package.instances().any(|baked| baked == *asked);
     if let (false, Ok(metadata)) = (baked, describe::metadata(&package)) {
         warn(console, path.display(), &metadata, asked);
+    }
+}
+
+/// Warns if the lobes of `package`, which is called `name`, were rounded for flakes much blunter than those of `asked`.
+fn warn_of_rounding(
+    console: &Console,
+    name: impl Display,
+    package: &Package<'_>,
+    asked: &Instance,
+) {
+    let of_lobes = package
+        .instances()
+        .filter(|baked| baked.method == asked.method);
+    let least = of_lobes
+        .filter_map(|baked| baked.roughness)
+        .fold(f64::INFINITY, f64::min);
+    if let Some(alpha) = asked.roughness
+        && alpha < ROUNDED_SHARE * least
+    {
+        console.warn(format_args!(
+            "{name}: its lobes are rounded for a roughness of {least}, more than ten times {alpha}: densities may be off by \
+             more than half a percent of a lobe's peak. Bake with --roughness {alpha}"
+        ));
     }
 }
