@@ -2,6 +2,7 @@
 
 mod bake;
 mod decode;
+mod reference;
 mod report;
 mod roughness;
 mod select;
@@ -9,6 +10,7 @@ mod stress;
 
 pub use bake::BakeArgs;
 pub use decode::DecodeArgs;
+pub use reference::ReferenceArgs;
 pub use report::ReportArgs;
 pub use roughness::RoughnessArgs;
 pub use select::{QuerySettings, SettingArgs};
@@ -276,6 +278,10 @@ pub struct PictureNdfArgs {
     /// What to evaluate
     #[command(flatten)]
     pub settings: SettingArgs,
+
+    /// What to draw beside it
+    #[command(flatten)]
+    pub reference: ReferenceArgs,
 
     /// PNG file to write
     #[arg(long, short)]

@@ -8,6 +8,7 @@ mod open;
 mod paths;
 pub mod picture;
 pub mod query;
+mod reference;
 pub mod report;
 pub mod sample;
 pub mod stress;

@@ -1,10 +1,10 @@
 //! `picture`: what a package looks like.
 
-use super::{lattice, open, paths};
+use super::{lattice, open, paths, reference};
 use crate::args::{Picture, PictureArgs, PictureBallArgs, PictureNdfArgs};
 use crate::exit::{CommandError, Failure};
 use crate::output::Console;
-use crate::picture::{ball, ndf, png};
+use crate::picture::{ball, binning, ndf, png};
 use glintbake_format::model::Footprint;
 use glintbake_runtime::Ndf;
 use serde_json::json;
@@ -41,13 +41,20 @@ fn run_ndf(arguments: &PictureNdfArgs, console: &Console) -> Result<(), CommandE
         instance.width,
         instance.height,
     );
-    let picture = ndf::draw(&chosen.ndf, &footprint, arguments.pixels, arguments.zoom)?;
-    png::write_rgb8(
-        &arguments.output,
-        arguments.pixels,
-        arguments.pixels,
-        &picture.pixels,
-    )?;
+    let (width, picture, counted) = match &arguments.reference.reference {
+        None => {
+            let picture = ndf::draw(&chosen.ndf, &footprint, arguments.pixels, arguments.zoom)?;
+            (arguments.pixels, picture, None)
+        }
+        Some(image) => {
+            let reference = reference::read(image, &arguments.reference, &chosen.ndf)?;
+            let (side, zoom) = (arguments.pixels, arguments.zoom);
+            let pair = binning::draw(&chosen.ndf, &footprint, side, zoom, &reference)?;
+            let counted = reference::Counted::new(&reference, &pair);
+            (pair.width, pair.picture, Some(counted))
+        }
+    };
+    png::write_rgb8(&arguments.output, width, arguments.pixels, &picture.pixels)?;
     progress.finish_and_clear();
     lattice::warn_of_query(console, &arguments.open, &chosen, &bytes);
     let output = arguments.output.display();
@@ -64,7 +71,10 @@ fn run_ndf(arguments: &PictureNdfArgs, console: &Console) -> Result<(), CommandE
         picture.peak,
         picture.integral
     ));
-    console.document(&json!({
+    if let Some(counted) = &counted {
+        console.line(format_args!("  {counted}"));
+    }
+    let mut document = json!({
         "integral": picture.integral,
         "output": output.to_string(),
         "peak": picture.peak,
@@ -73,7 +83,11 @@ fn run_ndf(arguments: &PictureNdfArgs, console: &Console) -> Result<(), CommandE
         "texels": arguments.texels,
         "uv": arguments.uv,
         "zoom": arguments.zoom,
-    }));
+    });
+    if let Some(counted) = &counted {
+        document["reference"] = counted.document();
+    }
+    console.document(&document);
     Ok(())
 }
 

@@ -4,6 +4,7 @@
 //! threads and on every platform.
 
 pub mod ball;
+pub mod binning;
 pub mod colour;
 #[cfg(test)]
 mod fixtures;

@@ -32,12 +32,23 @@ pub struct NdfPicture {
 }
 
 /// What one pixel holds: densities in f32 keep the largest picture within a gigabyte.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Pixel {
     /// Mean density, 0 where positions lie outside the disk.
     density: f32,
     /// Share of the positions inside the disk.
     inside: f32,
+}
+
+/// Densities over a square part of the projected disk, before they are colours.
+#[derive(Clone, Debug)]
+pub struct Densities {
+    raster: Raster,
+    field: Vec<Pixel>,
+    /// As [`NdfPicture::peak`].
+    pub peak: f64,
+    /// As [`NdfPicture::integral`].
+    pub integral: f64,
 }
 
 /// The P-NDF of the patch under `footprint`, `pixels` a side, s to the right and t up, both from -1/`zoom` to 1/`zoom`.
@@ -54,42 +65,109 @@ pub fn draw(
     pixels: u32,
     zoom: f64,
 ) -> Result<NdfPicture, QueryError> {
-    let raster = Raster {
-        side: pixels,
-        reach: 1.0 / zoom,
-    };
-    let side = pixels as usize;
-    let mut field = vec![Pixel::default(); side * side];
-    let rows: Vec<_> = field
-        .par_chunks_mut(side.max(1))
-        .enumerate()
-        .map(|(y, row)| raster.evaluate_row(ndf, footprint, y as u32, row))
-        .collect();
-    let mut peak = 0.0_f64;
-    let mut sum = 0.0;
-    for row in first_error(rows)? {
-        peak = peak.max(row.peak);
-        sum += row.sum;
-    }
-    let position = raster.step() / f64::from(SUBPIXELS);
-    let brightest = field
-        .iter()
-        .fold(0.0, |most, pixel| pixel.density.max(most));
-    let mut bytes = vec![0; 3 * side * side];
-    bytes
-        .par_chunks_mut(3 * side.max(1))
-        .zip(field.par_chunks(side.max(1)))
-        .enumerate()
-        .for_each(|(y, (row, field))| {
-            for ((x, rgb), pixel) in row.chunks_exact_mut(3).enumerate().zip(field) {
-                rgb.copy_from_slice(&raster.colour(x as u32, y as u32, *pixel, brightest));
-            }
-        });
+    let densities = Densities::of(ndf, footprint, pixels, zoom)?;
     Ok(NdfPicture {
-        pixels: bytes,
-        peak,
-        integral: sum * position * position,
+        pixels: densities.colours(densities.brightest()),
+        peak: densities.peak,
+        integral: densities.integral,
     })
+}
+
+impl Densities {
+    /// The densities that [`draw`] colours.
+    ///
+    /// # Errors
+    /// As [`Ndf::facets`].
+    pub fn of(
+        ndf: &(impl Ndf + Sync),
+        footprint: &Footprint,
+        pixels: u32,
+        zoom: f64,
+    ) -> Result<Self, QueryError> {
+        let raster = Raster {
+            side: pixels,
+            reach: 1.0 / zoom,
+        };
+        let side = pixels as usize;
+        let mut field = vec![Pixel::default(); side * side];
+        let rows: Vec<_> = field
+            .par_chunks_mut(side.max(1))
+            .enumerate()
+            .map(|(y, row)| raster.evaluate_row(ndf, footprint, y as u32, row))
+            .collect();
+        let mut peak = 0.0_f64;
+        let mut sum = 0.0;
+        for row in first_error(rows)? {
+            peak = peak.max(row.peak);
+            sum += row.sum;
+        }
+        let position = raster.step() / f64::from(SUBPIXELS);
+        Ok(Self {
+            raster,
+            field,
+            peak,
+            integral: sum * position * position,
+        })
+    }
+
+    /// The same part of the disk with other `densities`: one a pixel, row-major from the top, averages over pixels.
+    ///
+    /// # Panics
+    /// If there are not as many as pixels.
+    #[must_use]
+    pub fn replaced(&self, densities: &[f64]) -> Self {
+        assert_eq!(densities.len(), self.field.len(), "one density a pixel");
+        let field = self
+            .field
+            .iter()
+            .zip(densities)
+            .map(|(pixel, &density)| Pixel {
+                density: density as f32,
+                ..*pixel
+            })
+            .collect();
+        let step = self.raster.step();
+        Self {
+            raster: self.raster,
+            field,
+            peak: densities.iter().copied().fold(0.0, f64::max),
+            integral: densities.iter().sum::<f64>() * step * step,
+        }
+    }
+
+    /// The greatest density of a pixel.
+    pub fn brightest(&self) -> f32 {
+        let densities = self.field.iter().map(|pixel| pixel.density);
+        densities.fold(0.0, f32::max)
+    }
+
+    /// Relative L1 distance from `reference`, pixel by pixel: `Σ|D - D*| / ΣD*`, 0 if the reference is.
+    pub fn distance_from(&self, reference: &Self) -> f64 {
+        let (mut off, mut all) = (0.0, 0.0);
+        for (found, expected) in self.field.iter().zip(&reference.field) {
+            let [found, expected] = [found, expected].map(|pixel| f64::from(pixel.density));
+            off += (found - expected).abs();
+            all += expected;
+        }
+        if all > 0.0 { off / all } else { 0.0 }
+    }
+
+    /// The picture, 8-bit sRGB, row-major from the top, on a scale that ends at `brightest`.
+    pub fn colours(&self, brightest: f32) -> Vec<u8> {
+        let side = self.raster.side as usize;
+        let mut bytes = vec![0; 3 * side * side];
+        bytes
+            .par_chunks_mut(3 * side.max(1))
+            .zip(self.field.par_chunks(side.max(1)))
+            .enumerate()
+            .for_each(|(y, (row, field))| {
+                for ((x, rgb), pixel) in row.chunks_exact_mut(3).enumerate().zip(field) {
+                    let colour = self.raster.colour(x as u32, y as u32, *pixel, brightest);
+                    rgb.copy_from_slice(&colour);
+                }
+            });
+        bytes
+    }
 }
 
 struct RowTotals {
@@ -98,7 +176,7 @@ struct RowTotals {
 }
 
 /// Where the picture's pixels lie on the disk.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Raster {
     side: u32,
     reach: f64,
