@@ -4,6 +4,7 @@
 //! error that reads like one. [`Workshop::refuses`](workshop::Workshop::refuses) adds that a command that fails
 //! leaves its folder exactly as it was: no part of an output, no temporary file, the old output whole.
 
+mod analytic;
 mod bad_images;
 mod bad_options;
 mod bad_packages;
@@ -11,6 +12,7 @@ mod bad_queries;
 mod bake;
 mod cluster_tree;
 mod decode;
+mod densities;
 mod determinism;
 mod files;
 mod help;
@@ -18,6 +20,7 @@ mod incremental;
 mod index;
 mod json;
 mod lean;
+mod lobes;
 mod outputs;
 mod query;
 mod report;
