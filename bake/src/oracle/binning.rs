@@ -110,7 +110,7 @@ impl Binned {
             .for_each(|chunk| {
                 for index in chunk * CHUNK..((chunk + 1) * CHUNK).min(samples) {
                     let mut numbers = Numbers::new(seed, index);
-                    let place = place(&axes, &mut numbers);
+                    let place = place(&axes, [numbers.normal_pair(), numbers.normal_pair()]);
                     let [s, t] = surface.normal(place[0], place[1]);
                     let [by_s, by_t] = numbers.normal_pair();
                     let drawn = [s + deviation * by_s, t + deviation * by_t];
@@ -140,10 +140,10 @@ impl Binned {
     }
 }
 
-/// A place under the footprint, in texels from the upper left corner of the map or of a copy of it.
-fn place(axes: &[TexelAxis; 2], numbers: &mut Numbers) -> [f64; 2] {
-    let [first, second] = numbers.normal_pair();
-    let floor = numbers.normal_pair();
+/// A place under the footprint, in texels from the upper left corner of the map or of a copy of it, by numbers of mean 0 and
+/// deviation 1: two for the footprint, two for its floor.
+pub(super) fn place(axes: &[TexelAxis; 2], [along, floor]: [[f64; 2]; 2]) -> [f64; 2] {
+    let [first, second] = along;
     [0, 1].map(|i: usize| {
         let axis = &axes[i];
         let [edge_1, edge_2] = axis.edges().map(DoubleDouble::value);

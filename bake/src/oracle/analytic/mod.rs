@@ -20,6 +20,7 @@
 mod frame;
 mod patch;
 
+use super::binning::place;
 use super::direction::half_vector_direction;
 use super::double_double::DoubleDouble;
 use super::surface::{Border, Surface};
@@ -101,6 +102,25 @@ impl Prepared {
     /// vector beyond the rim: `D(h) (h·n)`.
     pub fn pdf(&self, h: HalfVector, alpha: f64) -> f64 {
         half_vector_direction(h).map_or(0.0, |[.., cosine]| self.ndf(h, alpha) * cosine)
+    }
+
+    /// What that sampler makes of four numbers in [0, 1), the first two for the place; `None` beyond the rim.
+    pub fn draw(&self, alpha: f64, uniform: [f64; 4]) -> Option<HalfVector> {
+        let normal_pair = |first: f64, second: f64| {
+            let radius = libm::sqrt(-2.0 * libm::log1p(-first));
+            let (sine, cosine) = libm::sincos(2.0 * PI * second);
+            [radius * cosine, radius * sine]
+        };
+        let [a, b, c, d] = uniform;
+        // The floor of 1e-6 texel is left out: no texel is that small.
+        let [x, y] = place(&self.axes, [normal_pair(a, b), [0.0; 2]]);
+        let [s, t] = self.surface.normal(x, y);
+        let [by_s, by_t] = normal_pair(c, d).map(|x| libm::sqrt(0.5) * alpha * x);
+        let h = HalfVector {
+            s: s + by_s,
+            t: t + by_t,
+        };
+        half_vector_direction(h).map(|_| h)
     }
 }
 

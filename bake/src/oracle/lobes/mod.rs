@@ -160,6 +160,27 @@ impl Prepared {
     pub fn pdf(&self, h: HalfVector, alpha: f64) -> f64 {
         half_vector_direction(h).map_or(0.0, |[.., cosine]| self.ndf(h, alpha) * cosine)
     }
+
+    /// What that sampler makes of four numbers in [0, 1): a lobe by its weight from the first, its normal from the last two;
+    /// `None` beyond the rim. The density is [`pdf`](Self::pdf) if the sum is normalised, else that over [`total`](Self::total).
+    pub fn draw(&self, alpha: f64, uniform: [f64; 4]) -> Option<HalfVector> {
+        let weights = self.terms.iter().map(|term| term.weight);
+        let mut left = uniform[0] * weights.sum::<f64>();
+        // Rounding may leave a little beyond the last lobe, which then takes it.
+        let chosen = self.terms.iter().find(|term| {
+            left -= term.weight;
+            left < 0.0
+        });
+        let term = chosen.or(self.terms.last())?;
+        let radius = libm::sqrt(-2.0 * libm::log1p(-uniform[2]));
+        let (sine, cosine) = libm::sincos(2.0 * PI * uniform[3]);
+        let [first, across, second] = self.spreads[term.spread].root(0.5 * alpha * alpha);
+        let h = HalfVector {
+            s: term.mean[0] + radius * first * cosine,
+            t: term.mean[1] + radius * (across * cosine + second * sine),
+        };
+        half_vector_direction(h).map(|_| h)
+    }
 }
 
 /// Lobes as they are found.

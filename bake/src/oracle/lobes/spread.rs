@@ -50,4 +50,12 @@ impl Spread {
         }
         libm::exp(-0.5 * adjugate / determinant) / (2.0 * PI * libm::sqrt(determinant))
     }
+
+    /// The root of `variance I + J B Jᵀ` that has nothing above its diagonal: its first column, and what is left of the second.
+    pub(in crate::oracle) fn root(&self, variance: f64) -> [f64; 3] {
+        let sum = |a: usize, b: usize| -> f64 { self.parts.iter().map(|g| g[a] * g[b]).sum() };
+        let determinant = variance * (variance + self.squares) + self.determinant;
+        let first = libm::sqrt(variance + sum(0, 0));
+        [first, sum(0, 1) / first, libm::sqrt(determinant) / first]
+    }
 }

@@ -5,6 +5,7 @@ mod bells;
 mod binning;
 mod disk;
 mod double_double;
+mod draws;
 mod flake_bins;
 mod gaussian;
 mod kernel;
