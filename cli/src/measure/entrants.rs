@@ -10,7 +10,7 @@ use crate::report::document::{Contestant, PackageReport, Role, Skipped};
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::{BakeError, MethodRecipe, Recipe, bake};
 use glintbake_format::model::{
-    BinGrid, Binning, Filter, Footprint, HalfVector, Kernel, Neighbourhood, Wrap,
+    BinGrid, Binning, Filter, Footprint, HalfVector, Interpolation, Kernel, Neighbourhood, Wrap,
     disk_grid_resolution,
 };
 use glintbake_runtime::microfacet::beckmann;
@@ -48,6 +48,8 @@ pub struct Entrant<'a> {
     pub contestant: Contestant,
     /// Rows compare within it.
     pub kernel: Kernel,
+    /// What its truth takes the map for; rows compare within it, too.
+    pub surface: Interpolation,
     /// Beckmann's α, if the kernel has one.
     pub roughness: Option<f64>,
     /// The method with the variant; `None` for baselines.
@@ -130,14 +132,30 @@ impl<'m> Field<'m> {
         for &filter in &plan.filters {
             for &method in &plan.methods {
                 let subject = subject::find(method);
-                for variant in subject.variants(filter) {
+                let variants = subject.variants(filter);
+                if variants.is_empty() {
+                    field.skipped.push(Skipped {
+                        contestant: Contestant {
+                            role: Role::Method,
+                            method: method.name().to_owned(),
+                            variant: String::new(),
+                        },
+                        cell: None,
+                        reason: subject::unanswered(method, filter),
+                    });
+                }
+                for variant in variants {
                     for roughness in roughnesses(subject, plan) {
                         field.bake(&variant, roughness, plan.effort.bakes)?;
                     }
                 }
             }
         }
-        if field.kernels(plan).is_empty() {
+        if plan
+            .filters
+            .iter()
+            .all(|&filter| kernels(plan, filter).is_empty())
+        {
             return Ok(field);
         }
         if map.wrap() == Wrap::Repeat {
@@ -228,7 +246,11 @@ impl<'m> Field<'m> {
     }
 
     fn build_forests(&mut self, plan: &Plan) {
-        if !self.kernels(plan).contains(&Kernel::Beckmann) {
+        let filters = &plan.filters;
+        if !filters
+            .iter()
+            .any(|&filter| kernels(plan, filter).contains(&Kernel::Beckmann))
+        {
             return;
         }
         for &roughness in &plan.roughness {
@@ -273,27 +295,6 @@ impl<'m> Field<'m> {
         }
     }
 
-    /// The kernels of the rough methods of `plan`: those that baselines are for.
-    fn kernels(&self, plan: &Plan) -> Vec<Kernel> {
-        let mut kernels = Vec::new();
-        for &method in &plan.methods {
-            let subject = subject::find(method);
-            if !subject.is_rough() {
-                continue;
-            }
-            let variants = plan
-                .filters
-                .iter()
-                .flat_map(|&filter| subject.variants(filter));
-            for kernel in variants.map(|variant| variant.kernel()) {
-                if !kernels.contains(&kernel) {
-                    kernels.push(kernel);
-                }
-            }
-        }
-        kernels
-    }
-
     /// Everyone who answers with footprints weighed by `filter`.
     ///
     /// # Errors
@@ -317,6 +318,7 @@ impl<'m> Field<'m> {
                     entrants.push(Entrant {
                         contestant,
                         kernel: variant.kernel(),
+                        surface: subject.surface(&variant),
                         roughness,
                         answers: Box::new(variant.ask(package.ndf(1)?, filter)?),
                         subject: Some((subject, variant)),
@@ -324,7 +326,7 @@ impl<'m> Field<'m> {
                 }
             }
         }
-        for kernel in self.kernels(plan) {
+        for kernel in kernels(plan, filter) {
             for &roughness in &plan.roughness {
                 self.add_baselines(kernel, roughness, filter, &mut entrants);
             }
@@ -343,6 +345,7 @@ impl<'m> Field<'m> {
             entrants.push(Entrant {
                 contestant,
                 kernel,
+                surface: Interpolation::None,
                 roughness: Some(roughness),
                 subject: None,
                 answers,
@@ -386,6 +389,25 @@ impl<'m> Field<'m> {
             add(paper_forest(), Box::new(Baseline(eval)));
         }
     }
+}
+
+/// The kernels that methods of `plan` answer with for texels under `filter`: those that baselines are for.
+fn kernels(plan: &Plan, filter: Filter) -> Vec<Kernel> {
+    let mut kernels = Vec::new();
+    for &method in &plan.methods {
+        let subject = subject::find(method);
+        if !subject.is_rough() {
+            continue;
+        }
+        let variants = subject.variants(filter).into_iter();
+        let of_texels = variants.filter(|variant| subject.surface(variant) == Interpolation::None);
+        for kernel in of_texels.map(|variant| variant.kernel()) {
+            if !kernels.contains(&kernel) {
+                kernels.push(kernel);
+            }
+        }
+    }
+    kernels
 }
 
 /// The roughnesses that `subject` is baked for.

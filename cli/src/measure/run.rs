@@ -6,7 +6,7 @@ use super::entrants::{Entrant, Field};
 use super::errors::{LIT, at_equal_time, energy, errors};
 use super::plan::{ANISOTROPIES, KINDS, Plan, Shape, sigmas};
 use super::stream::Stream;
-use super::subject::standard_normal;
+use super::subject::{standard_normal, surface_name};
 use crate::report::document::{Cell, HalfVectors, MapReport, Row, Skipped, Times};
 use glintbake_bake::BakeError;
 use glintbake_bake::normals::NormalMap;
@@ -59,7 +59,6 @@ pub fn measure<E: From<MeasureError>>(
     listen(report, Step { done, total })?;
     for &filter in &plan.filters {
         let entrants = field.entrants(plan, filter).map_err(MeasureError::Query)?;
-        let (groups, membership) = groups(&entrants);
         for &sigma in &sigmas {
             for anisotropy in ANISOTROPIES {
                 let shape = Shape {
@@ -67,6 +66,8 @@ pub fn measure<E: From<MeasureError>>(
                     sigma,
                     anisotropy,
                 };
+                let entrants = affordable(&entrants, shape, &mut report.skipped);
+                let (groups, membership) = groups(&entrants);
                 let cell = asked::work_out(map, shape, &groups, plan);
                 let sums = plan.roughness.iter().zip(&cell.sources);
                 report
@@ -111,8 +112,38 @@ struct Member {
     model: Option<usize>,
 }
 
+/// Those of `entrants` whose truths can be worked out for `shape`; the others are skipped, with a word for each.
+fn affordable<'e, 'a>(
+    entrants: &'e [Entrant<'a>],
+    shape: Shape,
+    skipped: &mut Vec<Skipped>,
+) -> Vec<&'e Entrant<'a>> {
+    let mut affordable = Vec::new();
+    for entrant in entrants {
+        let subject = entrant.subject.as_ref();
+        let most = subject.map_or(f64::INFINITY, |(subject, variant)| {
+            subject.most_texels(variant)
+        });
+        if shape.texels() <= most {
+            affordable.push(entrant);
+            continue;
+        }
+        let is_told = |told: &Skipped| told.contestant == entrant.contestant;
+        if !skipped.iter().any(is_told) {
+            skipped.push(Skipped {
+                contestant: entrant.contestant.clone(),
+                cell: None,
+                reason: format!(
+                    "footprints of more than {most:e} texels: its oracles would take minutes"
+                ),
+            });
+        }
+    }
+    affordable
+}
+
 /// Entrants by the truth they share.
-fn groups(entrants: &[Entrant<'_>]) -> (Vec<Group>, Vec<Member>) {
+fn groups(entrants: &[&Entrant<'_>]) -> (Vec<Group>, Vec<Member>) {
     let mut groups: Vec<Group> = Vec::new();
     let mut keys = Vec::new();
     let members = entrants
@@ -123,7 +154,12 @@ fn groups(entrants: &[Entrant<'_>]) -> (Vec<Group>, Vec<Member>) {
                 (None, Some((_, variant))) => variant.name.clone(),
                 _ => String::new(),
             };
-            let key = (entrant.kernel, entrant.roughness.map(f64::to_bits), alone);
+            let key = (
+                entrant.kernel,
+                entrant.surface,
+                entrant.roughness.map(f64::to_bits),
+                alone,
+            );
             let group = keys
                 .iter()
                 .position(|other| *other == key)
@@ -237,6 +273,7 @@ fn row(
     Ok(Some(Row {
         contestant: entrant.contestant.clone(),
         kernel: entrant.kernel.name().to_owned(),
+        surface: surface_name(entrant.surface).to_owned(),
         cell,
         queries: queries.len(),
         lit: asked
@@ -315,7 +352,8 @@ fn compare_with_point_sampling(rows: &mut [Row]) {
         .filter(|row| row.contestant.method == POINT_SAMPLING)
         .filter_map(|row| {
             let point = (row.times.eval.median_ns, row.truth.relative_l1?);
-            Some((row.kernel.clone(), row.cell.roughness, point))
+            let truth = (row.kernel.clone(), row.surface.clone());
+            Some((truth, row.cell.roughness, point))
         })
         .collect();
     for row in rows {
@@ -324,8 +362,8 @@ fn compare_with_point_sampling(rows: &mut [Row]) {
         }
         let of_its_kernel: Vec<_> = points
             .iter()
-            .filter(|(kernel, roughness, _)| {
-                *kernel == row.kernel && *roughness == row.cell.roughness
+            .filter(|((kernel, surface), roughness, _)| {
+                *kernel == row.kernel && *surface == row.surface && *roughness == row.cell.roughness
             })
             .map(|&(.., point)| point)
             .collect();

@@ -4,7 +4,7 @@ use super::document::{Errors, HalfVectors, MapReport, Report, Role, Row, Timing}
 use super::panel;
 
 /// The header, in this order; docs/REPORT.md says what each column is.
-pub const COLUMNS: [&str; 55] = [
+pub const COLUMNS: [&str; 56] = [
     "map",
     "blake3",
     "width",
@@ -60,6 +60,7 @@ pub const COLUMNS: [&str; 55] = [
     "bake-peak-bytes",
     "glintbake",
     "seed",
+    "surface",
 ];
 
 /// The file, UTF-8 with a header; a cell without a value is empty. Numbers have as many digits as they need to be read
@@ -131,6 +132,7 @@ fn record(report: &Report, map: &MapReport, row: &Row) -> Vec<String> {
         optional(package.and_then(|package| package.bake_peak_bytes)),
         report.head.glintbake.clone(),
         report.head.seed.to_string(),
+        row.surface.clone(),
     ]);
     record
 }

@@ -2,6 +2,8 @@
 //!
 //! docs/REPORT.md documents every field for readers of the file.
 
+use crate::measure::subject::surface_name;
+use glintbake_format::model::Interpolation;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -181,6 +183,10 @@ pub struct Row {
     pub contestant: Contestant,
     /// Name of the kernel, within which rows compare: `beckmann`, `disk` or `bin-average`.
     pub kernel: String,
+    /// What the truth takes the map for, within which rows compare as well: `texels`, or the interpolation of a surface between
+    /// them, `linear` or `catmull-rom`. Older reports are of texels.
+    #[serde(default = "texels")]
+    pub surface: String,
     /// What was asked.
     #[serde(flatten)]
     pub cell: Cell,
@@ -188,7 +194,7 @@ pub struct Row {
     pub queries: usize,
     /// Of these, how many are lit: the truth is at least 1e-6 per steradian.
     pub lit: usize,
-    /// Against the common truth of the kernel: every texel with its own normal.
+    /// Against the common truth of the kernel and the surface: of texels, every one with its own normal.
     pub truth: Errors,
     /// Against the method's own model, computed in f64; `None` for baselines, which have none but the truth.
     pub model: Option<Errors>,
@@ -197,6 +203,10 @@ pub struct Row {
     pub energy: Option<Energy>,
     /// Run times.
     pub times: Times,
+}
+
+fn texels() -> String {
+    surface_name(Interpolation::None).to_owned()
 }
 
 /// A cell of the plan: a kind of query.

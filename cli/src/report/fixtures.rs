@@ -287,6 +287,7 @@ fn row(made: &Made, kernel: &str, cell: &Cell) -> Row {
     Row {
         contestant: contestant(made),
         kernel: kernel.to_owned(),
+        surface: "texels".to_owned(),
         cell: cell.clone(),
         queries: 2000,
         lit: 1987,

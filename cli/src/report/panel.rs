@@ -1,15 +1,17 @@
-//! Rows of a report that compare: one map, kernel, filter and roughness at a time.
+//! Rows of a report that compare: one map, kernel, surface, filter and roughness at a time.
 
 use super::document::{Cell, Contestant, HalfVectors, MapReport, PackageReport, Row};
 use super::pareto;
 use super::units::{self, EXACT};
+use crate::measure::subject::surface_name;
+use glintbake_format::model::Interpolation;
 
-/// The rows of a map that were asked with one kernel, filter and roughness.
+/// The rows of a map that were asked with one kernel, surface, filter and roughness.
 #[derive(Clone, Debug)]
 pub struct Panel<'r> {
     /// The map.
     pub map: &'r MapReport,
-    /// Kernel, filter and roughness of every row.
+    /// Kernel, surface, filter and roughness of every row.
     key: Key<'r>,
     /// Who answered, in the order of their first rows.
     pub contestants: Vec<&'r Contestant>,
@@ -21,6 +23,7 @@ pub struct Panel<'r> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Key<'r> {
     kernel: &'r str,
+    surface: &'r str,
     filter: &'r str,
     roughness: Option<f64>,
 }
@@ -29,6 +32,7 @@ impl<'r> Key<'r> {
     fn of(row: &'r Row) -> Self {
         Self {
             kernel: &row.kernel,
+            surface: &row.surface,
             filter: &row.cell.filter,
             roughness: row.cell.roughness,
         }
@@ -60,19 +64,24 @@ pub fn panels(map: &MapReport) -> Vec<Panel<'_>> {
 }
 
 impl<'r> Panel<'r> {
-    /// Kernel, filter and roughness in words, such as `beckmann kernel, box, α = 0.01`.
+    /// Kernel, surface if it is not that of texels, filter and roughness in words, such as `disk kernel, linear surface, gaussian,
+    /// α = 0.01`.
     pub fn title(&self) -> String {
         let Key {
             kernel,
+            surface,
             filter,
             roughness,
         } = self.key;
-        match roughness {
-            Some(roughness) => {
-                format!("{kernel} kernel, {filter}, α = {}", units::plain(roughness))
-            }
-            None => format!("{kernel} kernel, {filter}"),
+        let mut title = format!("{kernel} kernel, ");
+        if surface != surface_name(Interpolation::None) {
+            title += &format!("{surface} surface, ");
         }
+        title += filter;
+        if let Some(roughness) = roughness {
+            title += &format!(", α = {}", units::plain(roughness));
+        }
+        title
     }
 
     /// Sizes σ of the cells of `anisotropy` with half vectors found by the truth, rising.
@@ -176,6 +185,29 @@ mod tests {
         );
         assert_eq!(panels[0].sizes(1.0), fixtures::SIZES);
         assert_eq!(panels[0].anisotropies(), [1.0, 8.0]);
+    }
+
+    #[test]
+    fn rows_of_different_surfaces_are_apart() {
+        let mut report = fixtures::report();
+        let rows = &mut report.maps[0].rows;
+        rows.retain(|row| row.kernel == "disk" && row.cell.roughness == Some(0.01));
+        for row in rows
+            .iter_mut()
+            .filter(|row| row.contestant.method == "lean")
+        {
+            row.surface = "linear".to_owned();
+        }
+        let panels = panels(&report.maps[0]);
+        let titles: Vec<String> = panels.iter().map(Panel::title).collect();
+        assert_eq!(
+            titles,
+            [
+                "disk kernel, linear surface, box, α = 0.01",
+                "disk kernel, box, α = 0.01"
+            ]
+        );
+        assert_eq!(panels[0].contestants.len(), 2);
     }
 
     #[test]

@@ -249,6 +249,16 @@ mod tests {
     }
 
     #[test]
+    fn rows_of_reports_without_surfaces_are_of_texels() {
+        let report = fixtures::report();
+        let mut document = json(&report);
+        for row in document["maps"][0]["rows"].as_array_mut().unwrap() {
+            row.as_object_mut().unwrap().remove("surface").unwrap();
+        }
+        assert_eq!(read_back(&document).unwrap(), report);
+    }
+
+    #[test]
     fn other_documents_are_told_apart() {
         let mut document = json(&fixtures::report());
         let bytes = document.to_string().into_bytes();

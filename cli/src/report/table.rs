@@ -8,7 +8,7 @@ use std::fmt::{self, Write};
 /// Columns of text that a line may have.
 const WIDTH: usize = 118;
 
-/// The report as text of at most 118 columns: for each map, kernel, filter and roughness a table of error and time of
+/// The report as text of at most 118 columns: for each map, kernel, surface, filter and roughness a table of error and time of
 /// `eval` by contestant and size under square footprints, bytes a texel and seconds of the bake, and who is on the
 /// Pareto front.
 pub fn text(report: &Report) -> String {

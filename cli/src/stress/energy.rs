@@ -77,7 +77,16 @@ fn sum(target: &Target<'_>, place: &Place<'_>, nodes: &[Node], recorder: &mut Re
             .sum()
     };
     let model = of(&*subject.model(variant, &place.patch, alpha));
-    let truth = of(&*subject.truth(variant, &place.patch, alpha));
+    let lost = subject.loss(variant);
+    // Only who promises to keep the truth's energy needs it.
+    let truth = lost.map(|lost| {
+        let truth = if subject.is_truth(variant) {
+            model
+        } else {
+            of(&*subject.truth(variant, &place.patch, alpha))
+        };
+        (lost, truth)
+    });
     let mut energy = 0.0;
     for &(h, angle) in nodes {
         let pdf = recorder.ask(
@@ -88,22 +97,19 @@ fn sum(target: &Target<'_>, place: &Place<'_>, nodes: &[Node], recorder: &mut Re
     }
     recorder.energy(energy);
     let what = |what: &str| At {
-        what: format!(
-            "{what}: {energy}, model {model}, truth {truth}, {}",
-            place.name
-        ),
+        what: format!("{what}: {energy}, model {model}, {}", place.name),
         footprint: Some(*footprint),
         half_vector: None,
     };
     let bound = target.bound();
     let allowed = bound.relative * model;
     recorder.compare((energy - model).abs(), allowed, || what("energy"));
-    if let Some(lost) = subject.loss(variant)
+    if let Some((lost, truth)) = truth
         && truth >= WHOLE
     {
         // The truth's energy is 1, summed over the same nodes.
         recorder.compare((energy - truth).abs(), lost + allowed, || {
-            what("energy lost")
+            what(&format!("energy lost of {truth}"))
         });
     }
 }

@@ -98,27 +98,41 @@ fn on_instance(
     let ndf = package.ndf(instance.number)?;
     let grounds = FILTERS.map(|filter| Ground::new(&map, filter));
     let mut questions = Vec::new();
+    let mut outcomes = Vec::new();
     for ground in &grounds {
-        for variant in subject.variants_of(instance, ground.filter) {
-            questions.push((ground, variant));
+        let variants = subject.variants_of(instance, ground.filter);
+        if variants.is_empty() {
+            outcomes.push(unanswered(subject, instance.roughness, ground, ndf));
         }
+        questions.extend(variants.into_iter().map(|variant| (ground, variant)));
     }
-    let mut outcomes: Vec<_> = questions
-        .par_iter()
-        .flat_map_iter(|(ground, variant)| {
-            answer(subject, variant, instance.roughness, ground, ndf)
-        })
-        .collect();
+    outcomes.par_extend(questions.par_iter().flat_map_iter(|(ground, variant)| {
+        answer(subject, variant, instance.roughness, ground, ndf)
+    }));
     let reason = "each setting is baked for it; give the map instead of the package";
     outcomes.push(skip("convergence", reason));
     Ok(outcomes)
 }
 
-/// Every check of every setting of `subject`, baked from the map of `ground`.
+/// Every check of every setting of `subject`, baked from the map of `ground`; of one that does not answer for its footprints, that
+/// it says so.
 fn on_ground(subject: &dyn Subject, ground: &Ground<'_>, roughness: Option<f64>) -> Vec<Outcome> {
     let mut baked: Vec<(MethodRecipe, Result<Vec<u8>, BakeError>)> = Vec::new();
     let mut outcomes = Vec::new();
-    for variant in subject.variants(ground.filter) {
+    let variants = subject.variants(ground.filter);
+    if variants.is_empty() {
+        let roughnesses: Vec<_> = roughness.into_iter().collect();
+        let recipe = MethodRecipe::new(subject.method(), &roughnesses);
+        let plan = bake(&ground.map.map, &Recipe::new(vec![recipe]), None);
+        let outcome = plan.map_err(|error| error.to_string()).and_then(|plan| {
+            let bytes = plan.to_bytes();
+            let package = Package::open(&bytes).map_err(|error| error.to_string())?;
+            let ndf = package.ndf(1).map_err(|error| error.to_string())?;
+            Ok(unanswered(subject, roughness, ground, ndf))
+        });
+        outcomes.push(outcome.unwrap_or_else(|error| Outcome::failed("refusals", error)));
+    }
+    for variant in variants {
         let recipe = variant.recipe_for(roughness.unwrap_or_default());
         let known = baked.iter().position(|(other, _)| *other == recipe);
         let place = known.unwrap_or_else(|| {
@@ -147,6 +161,20 @@ fn on_ground(subject: &dyn Subject, ground: &Ground<'_>, roughness: Option<f64>)
         }
     }
     outcomes
+}
+
+/// That `ndf` says of footprints as those of `ground` that it does not answer for them.
+fn unanswered(
+    subject: &dyn Subject,
+    roughness: Option<f64>,
+    ground: &Ground<'_>,
+    ndf: SurfaceNdf<'_>,
+) -> Outcome {
+    Outcome {
+        filter: Some(ground.filter),
+        map: ground.map.name.clone(),
+        ..refusals::filter(&ndf.with_filter(ground.filter), ground).of(subject, roughness)
+    }
 }
 
 /// The map that answers of `package`, which holds one instance of the map of `ground`, are held to in its place, if

@@ -2,15 +2,17 @@
 //! texels that are no normals, options out of range, maps beyond the memory allowed.
 
 use super::outcome::{At, Outcome, Recorder};
-use super::target::Target;
+use super::target::{Ground, Target};
 use crate::measure::subject::Subject;
 use glintbake_bake::image::{Format, Layout, Raster, Samples};
 use glintbake_bake::normals::{DecodeOptions, NormalMap, decode};
 use glintbake_bake::{BakeError, MethodRecipe, Recipe, bake};
 use glintbake_format::model::{Footprint, HalfVector, MAX_EDGE_TILES, Method, Wrap};
-use glintbake_runtime::QueryError;
+use glintbake_runtime::{Ndf, QueryError};
 
 const QUERY_REASON: &str = "an answer to a query that is no query would hide the caller's mistake";
+const FILTER_REASON: &str =
+    "footprints that a method does not weigh by are refused, not answered by others";
 const OPTION_REASON: &str =
     "a roughness that a method is not made for has no bins or lobes to be baked into";
 const TEXEL_REASON: &str =
@@ -24,7 +26,7 @@ pub(super) fn queries(target: &Target<'_>) -> Outcome {
     for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for coordinate in 0..6 {
             let footprint = with(&sound, coordinate, wrong);
-            every_call(target, &footprint, pole, &mut recorder, |error| {
+            every_call(target.answers, &footprint, pole, &mut recorder, |error| {
                 error == QueryError::NotFinite
             });
         }
@@ -32,7 +34,7 @@ pub(super) fn queries(target: &Target<'_>) -> Outcome {
             HalfVector { s: wrong, t: 0.0 },
             HalfVector { s: 0.1, t: wrong },
         ] {
-            evaluations(target, &sound, h, &mut recorder, |error| {
+            evaluations(target.answers, &sound, h, &mut recorder, |error| {
                 error == QueryError::NotFinite
             });
         }
@@ -40,7 +42,7 @@ pub(super) fn queries(target: &Target<'_>) -> Outcome {
     for length in [1.01 * MAX_EDGE_TILES, 1e5, 1e300] {
         for coordinate in 2..6 {
             let footprint = with(&sound, coordinate, length);
-            every_call(target, &footprint, pole, &mut recorder, |error| {
+            every_call(target.answers, &footprint, pole, &mut recorder, |error| {
                 error == QueryError::FootprintTooLarge
             });
         }
@@ -61,16 +63,16 @@ fn with(footprint: &Footprint, coordinate: usize, value: f64) -> Footprint {
 }
 
 fn every_call(
-    target: &Target<'_>,
+    ndf: &(dyn Ndf + Sync),
     footprint: &Footprint,
     h: HalfVector,
     recorder: &mut Recorder,
     is_due: impl Fn(QueryError) -> bool + Copy,
 ) {
-    evaluations(target, footprint, h, recorder, is_due);
+    evaluations(ndf, footprint, h, recorder, is_due);
     let sampled = recorder.call(
         || here("sample", footprint, None),
-        || Ok(target.answers.sample(footprint, [0.3; 4]).map(|_| ())),
+        || Ok(ndf.sample(footprint, [0.3; 4]).map(|_| ())),
     );
     if let Some(sampled) = sampled {
         judge(sampled, &here("sample", footprint, None), recorder, is_due);
@@ -78,7 +80,7 @@ fn every_call(
 }
 
 fn evaluations(
-    target: &Target<'_>,
+    ndf: &(dyn Ndf + Sync),
     footprint: &Footprint,
     h: HalfVector,
     recorder: &mut Recorder,
@@ -88,9 +90,9 @@ fn evaluations(
         let at = || here(name, footprint, Some(h));
         let answer = recorder.call(at, || {
             Ok(if is_pdf {
-                target.answers.pdf(footprint, h)
+                ndf.pdf(footprint, h)
             } else {
-                target.answers.eval(footprint, h)
+                ndf.eval(footprint, h)
             })
         });
         if let Some(answer) = answer {
@@ -118,6 +120,18 @@ fn judge(
         Err(error) => recorder.fault(at, &format!("refused, but with another error: {error}")),
         Ok(()) => recorder.fault(at, "answered, where an error is due"),
     }
+}
+
+/// Every call under the footprints of `ground`, whose filter `ndf` has no answers for.
+pub(super) fn filter(ndf: &(dyn Ndf + Sync), ground: &Ground<'_>) -> Outcome {
+    let mut recorder = Recorder::new("refusals", FILTER_REASON);
+    let pole = HalfVector { s: 0.0, t: 0.0 };
+    for place in &ground.places {
+        every_call(ndf, &place.patch.footprint, pole, &mut recorder, |error| {
+            matches!(error, QueryError::FilterUnsupported(_))
+        });
+    }
+    recorder.finish()
 }
 
 /// Roughnesses out of range, and a map too wide to be baked.

@@ -6,8 +6,10 @@ mod chart;
 mod cluster_tree;
 mod draw;
 mod flake_bins;
+mod interpolated;
 mod lean;
 mod limits;
+mod lobes;
 mod specular_bins;
 
 pub use chart::Chart;
@@ -17,7 +19,7 @@ pub use limits::{Against, Bound, Ladder};
 use glintbake_bake::MethodRecipe;
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::oracle::{TexelWeight, texel_weights};
-use glintbake_format::model::{Filter, Footprint, HalfVector, Kernel, Method};
+use glintbake_format::model::{Filter, Footprint, HalfVector, Interpolation, Kernel, Method};
 use glintbake_runtime::{Accuracy, Instance, QueryError, Setting, SurfaceNdf};
 use std::f64::consts::PI;
 
@@ -27,6 +29,7 @@ pub const REGISTRY: &[&dyn Subject] = &[
     &specular_bins::SpecularBins,
     &lean::Lean,
     &cluster_tree::ClusterTree,
+    &lobes::Lobes,
 ];
 
 /// The subject of `method`.
@@ -49,7 +52,8 @@ pub trait Subject: Sync {
     /// Whether the method is baked for roughnesses.
     fn is_rough(&self) -> bool;
 
-    /// The settings worth comparing, the default first, for footprints weighed by `filter`.
+    /// The settings worth comparing, the default first, for footprints weighed by `filter`; none if the method does not answer
+    /// for such footprints.
     fn variants(&self, filter: Filter) -> Vec<Variant>;
 
     /// Whether the model of `variant` is the truth itself.
@@ -60,8 +64,22 @@ pub trait Subject: Sync {
     /// `roughness` is Beckmann's α; methods that are not rough ignore it.
     fn model(&self, variant: &Variant, patch: &Patch<'_>, roughness: f64) -> Box<dyn Reference>;
 
-    /// The common truth of the method's kernel under `patch`: every texel with its own normal.
+    /// What the truth of `variant` takes the map for: answers compare within one surface, as within one kernel.
+    fn surface(&self, variant: &Variant) -> Interpolation {
+        let _ = variant;
+        Interpolation::None
+    }
+
+    /// The common truth of the method's kernel and [`surface`](Self::surface) under `patch`: of texels, every one with its own
+    /// normal.
     fn truth(&self, variant: &Variant, patch: &Patch<'_>, roughness: f64) -> Box<dyn Reference>;
+
+    /// The most texels of a footprint, out to where it ends, that the model and the truth of `variant` are measured for: beyond,
+    /// they would take minutes.
+    fn most_texels(&self, variant: &Variant) -> f64 {
+        let _ = variant;
+        f64::INFINITY
+    }
 
     /// The settings of [`variants`](Self::variants) that `instance`, which is baked already, can be asked for.
     fn variants_of(&self, instance: &Instance, filter: Filter) -> Vec<Variant> {
@@ -110,6 +128,23 @@ pub trait Subject: Sync {
             Filter::Box => Vec::new(),
             Filter::Gaussian => vec![tolerance_ladder(self.variants(filter))],
         }
+    }
+}
+
+/// Why a method without [variants](Subject::variants) for `filter` is not asked.
+pub fn unanswered(method: Method, filter: Filter) -> String {
+    format!(
+        "{} does not answer for {} footprints",
+        method.name(),
+        filter.name()
+    )
+}
+
+/// The name of what a truth takes the map for, as [`Subject::surface`] says: of texels that are flat, `texels`.
+pub const fn surface_name(surface: Interpolation) -> &'static str {
+    match surface {
+        Interpolation::None => "texels",
+        Interpolation::Linear | Interpolation::CatmullRom => surface.name(),
     }
 }
 
@@ -219,6 +254,7 @@ impl Variant {
                 let ndf = ndf.with_kernel(self.kernel())?;
                 SurfaceNdf::ClusterTree(ndf.with_accuracy(Accuracy::Fast(eps)))
             }
+            (SurfaceNdf::Lobes(ndf), _) => SurfaceNdf::Lobes(ndf.with_raw_sum(self.is_paper)),
             (ndf, Some(tolerance)) => ndf.with_tolerance(tolerance),
             (ndf, None) => ndf,
         };
@@ -290,6 +326,7 @@ pub trait Reference: Send + Sync {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glintbake_bake::default_filter;
     use glintbake_format::model::METHODS;
 
     #[test]
@@ -299,7 +336,8 @@ mod tests {
             assert_eq!(subjects.count(), 1, "{}", method.name());
             for filter in [Filter::Box, Filter::Gaussian] {
                 let variants = find(method).variants(filter);
-                assert!(!variants.is_empty(), "{}", method.name());
+                let answers = filter == Filter::Gaussian || default_filter(method) == filter;
+                assert_eq!(!variants.is_empty(), answers, "{}", method.name());
                 for (place, variant) in variants.iter().enumerate() {
                     let before = &variants[..place];
                     assert!(before.iter().all(|other| other.name != variant.name));

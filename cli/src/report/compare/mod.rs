@@ -105,7 +105,7 @@ pub struct Missing {
 
 /// What became of every number of `old` in `new`.
 ///
-/// Maps match by name and BLAKE3, else by name; rows by contestant, kernel and cell; packages by contestant and
+/// Maps match by name and BLAKE3, else by name; rows by contestant, kernel, surface and cell; packages by contestant and
 /// roughness. Costs the square of the rows of a map in comparisons of names.
 pub fn compare(old: &Report, new: &Report) -> Comparison {
     let mut comparison = Comparison {
@@ -119,7 +119,10 @@ pub fn compare(old: &Report, new: &Report) -> Comparison {
         .iter()
         .map(|(old, new)| {
             let same = |old: &&Row, new: &&Row| {
-                old.contestant == new.contestant && old.kernel == new.kernel && old.cell == new.cell
+                old.contestant == new.contestant
+                    && old.kernel == new.kernel
+                    && old.surface == new.surface
+                    && old.cell == new.cell
             };
             let name = |row: &&Row| format!("{}: {}", new.name, text::row_name(row));
             let (old, new): (Vec<&Row>, Vec<&Row>) =
