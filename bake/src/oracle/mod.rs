@@ -15,7 +15,7 @@
 //! | D and its pdf, Gaussians on the disk | [`disk`] | \[YHJ*14\] |
 //! | the integral over a piecewise-linear surface | [`analytic`] | \[YHJ*14\] eq. 6 |
 //! | the same by counting samples | [`binning`] | \[YHJ*14\] Fig. 9 |
-//! | the sum over 4D lobes of position and normal | [`lobes`] | \[YHMR16\], \[TZX*22\] eq. 3-6 |
+//! | the sum over 4D lobes of position and normal | [`lobes`] | \[YHMR16\], \[TZX22\] eq. 3-6 |
 //! | the model of `lean`: one lobe by MIP-mapped moments | [`lean`] | \[OB10\], \[Tok05\] |
 //!
 //! Cost is no concern: a query visits every texel under its footprint.

@@ -1,4 +1,4 @@
-//! The plain sum over 4D Gaussian lobes of position and normal \[YHMR16\] \[TZX*22\].
+//! The plain sum over 4D Gaussian lobes of position and normal \[YHMR16\] \[TZX22\].
 //!
 //! With `A = σh² I`, the footprint's covariance Σp, `S = A + Σp`, `K = A S⁻¹` and `Q = A S⁻¹ Σp`, all in texels, a lobe
 //! at `u_i` with the normal `s_i` and the slope `J_i` adds
