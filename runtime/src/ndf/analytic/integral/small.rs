@@ -111,7 +111,7 @@ impl Sizes {
     /// Whether no point of the piece is nearer than the root of `squared`.
     #[inline(always)]
     pub fn is_beyond(&self, squared: f64) -> bool {
-        // |m| - l ≥ r, as no point is farther from the middle than l, without roots: m² ≥ 2 (r² + l²) is stricter.
+        // |m| ≥ r + l, squared twice, as no point is farther from the middle than the longest edge l.
         if self.middle <= squared {
             return false;
         }
@@ -153,19 +153,33 @@ impl Sizes {
 
     #[inline(always)]
     fn sum<const N: usize>(&self, rule: &[[f64; 3]; N]) -> f64 {
-        let terms = rule.map(|[x, y, weight]| weight * exp_negative(self.exponent(x, y)));
-        terms.iter().sum()
+        let mut terms = [0.0; N];
+        for (term, [x, y, weight]) in terms.iter_mut().zip(rule) {
+            *term = weight * exp_negative(self.exponent(*x, *y));
+        }
+        total(&terms)
     }
 
     /// Both halves of a parallelogram: of the lower one corners are (-½, -½), (½, -½) and (-½, ½) off the middle.
     #[inline(always)]
     fn halves<const N: usize>(&self, rule: &[[f64; 3]; N]) -> f64 {
-        let lower = rule.map(|[x, y, weight]| {
+        let mut terms = [0.0; N];
+        for (term, [x, y, weight]) in terms.iter_mut().zip(rule) {
             let (x, y) = (x - 1.0 / 6.0, y - 1.0 / 6.0);
-            weight * (exp_negative(self.exponent(x, y)) + exp_negative(self.exponent(-x, -y)))
-        });
-        0.5 * lower.iter().sum::<f64>()
+            *term =
+                weight * (exp_negative(self.exponent(x, y)) + exp_negative(self.exponent(-x, -y)));
+        }
+        0.5 * total(&terms)
     }
+}
+
+#[inline(always)]
+fn total(terms: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    for term in terms {
+        sum += term;
+    }
+    sum
 }
 
 #[inline(always)]
