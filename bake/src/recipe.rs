@@ -86,8 +86,8 @@ pub const DEFAULT_METHOD: Method = Method::ClusterTree;
 /// scratches to glint one by one, and wide beside the steps of 8-bit normals.
 pub const DEFAULT_ROUGHNESS: f64 = 0.02;
 
-/// Merge error of a `lobes` recipe that names none: a twentieth of a percent of a lobe's peak.
-pub const DEFAULT_MERGE_ERROR: f64 = 5e-4;
+/// Merge error of a `lobes` recipe that names none: a fiftieth of a percent of a lobe's peak.
+pub const DEFAULT_MERGE_ERROR: f64 = 2e-4;
 
 /// The filter of a recipe that names none: boxes, but for methods that are made for Gaussian footprints.
 pub const fn default_filter(method: Method) -> Filter {

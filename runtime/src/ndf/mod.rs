@@ -234,7 +234,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::SpecularBins(ndf) => ndf.how.filter = filter,
             Self::Lean(ndf) => ndf.filter = filter,
             Self::ClusterTree(ndf) => ndf.filter = filter,
-            Self::Lobes(ndf) => ndf.filter = filter,
+            Self::Lobes(ndf) => *ndf = ndf.with_filter(filter),
             Self::Analytic(ndf) => ndf.filter = filter,
         }
         self

@@ -46,7 +46,7 @@ pub struct Lobes<'a> {
     lobes: view::Lobes<'a>,
     masking: Masking<'a>,
     roughness: f64,
-    pub(super) filter: Filter,
+    filter: Filter,
     is_raw: bool,
     instructions: Instructions,
 }
@@ -98,6 +98,13 @@ impl<'a> Lobes<'a> {
     #[must_use]
     pub fn with_raw_sum(mut self, is_raw: bool) -> Self {
         self.is_raw = is_raw;
+        self
+    }
+
+    /// The same P-NDF under another filter; that of the instance unless this says otherwise. Queries refuse all but the Gaussian.
+    #[must_use]
+    pub fn with_filter(mut self, filter: Filter) -> Self {
+        self.filter = filter;
         self
     }
 
