@@ -14,3 +14,4 @@ pub mod run;
 pub mod sources;
 pub mod stream;
 pub mod subject;
+pub mod visited;

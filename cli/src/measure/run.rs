@@ -6,7 +6,8 @@ use super::entrants::{Entrant, Field};
 use super::errors::{LIT, at_equal_time, energy, errors};
 use super::plan::{ANISOTROPIES, KINDS, Plan, Shape, sigmas};
 use super::stream::Stream;
-use super::subject::{standard_normal, surface_name};
+use super::subject::{Against, standard_normal, surface_name};
+use super::visited::texels_visited;
 use crate::report::document::{Cell, HalfVectors, MapReport, Row, Skipped, Times};
 use glintbake_bake::BakeError;
 use glintbake_bake::normals::NormalMap;
@@ -66,7 +67,7 @@ pub fn measure<E: From<MeasureError>>(
                     sigma,
                     anisotropy,
                 };
-                let entrants = affordable(&entrants, shape, &mut report.skipped);
+                let entrants = affordable(map, &entrants, shape, &mut report.skipped);
                 let (groups, membership) = groups(&entrants);
                 let cell = asked::work_out(map, shape, &groups, plan);
                 let sums = plan.roughness.iter().zip(&cell.sources);
@@ -112,19 +113,26 @@ struct Member {
     model: Option<usize>,
 }
 
-/// Those of `entrants` whose truths can be worked out for `shape`; the others are skipped, with a word for each.
+/// Seconds that an oracle may take for a half vector.
+const MOST_SECONDS: f64 = 1.0;
+
+/// Those of `entrants` whose oracles can be asked under `shape`; the others are skipped, with a word for each.
 fn affordable<'e, 'a>(
+    map: &NormalMap,
     entrants: &'e [Entrant<'a>],
     shape: Shape,
     skipped: &mut Vec<Skipped>,
 ) -> Vec<&'e Entrant<'a>> {
+    let footprint = shape.footprint(map, &mut Stream::new(0));
+    let texels = texels_visited(map, &footprint, shape.filter);
     let mut affordable = Vec::new();
     for entrant in entrants {
-        let subject = entrant.subject.as_ref();
-        let most = subject.map_or(f64::INFINITY, |(subject, variant)| {
-            subject.most_texels(variant)
+        let alpha = entrant.roughness.unwrap_or_default();
+        let seconds = entrant.subject.as_ref().map_or(0.0, |(subject, variant)| {
+            let seconds = |of| subject.seconds_a_texel(variant, alpha, of);
+            texels * seconds(Against::Model).max(seconds(Against::Truth))
         });
-        if shape.texels() <= most {
+        if seconds <= MOST_SECONDS {
             affordable.push(entrant);
             continue;
         }
@@ -132,9 +140,10 @@ fn affordable<'e, 'a>(
         if !skipped.iter().any(is_told) {
             skipped.push(Skipped {
                 contestant: entrant.contestant.clone(),
-                cell: None,
+                cell: Some(describe(shape, entrant, HalfVectors::Found)),
                 reason: format!(
-                    "footprints of more than {most:e} texels: its oracles would take minutes"
+                    "its oracles would take {seconds:.0} s for a half vector; so for all that would take more than \
+                     {MOST_SECONDS} s"
                 ),
             });
         }

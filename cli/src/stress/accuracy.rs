@@ -15,7 +15,7 @@ pub(super) fn check(target: &Target<'_>) -> Outcome {
     let mut recorder = Recorder::new("accuracy", bound.reason.clone());
     let mut numbers = target.numbers("accuracy");
     let peak = target.peak();
-    for place in &target.ground.places {
+    for place in target.places() {
         let footprint = &place.patch.footprint;
         let model = target
             .subject

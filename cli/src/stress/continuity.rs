@@ -119,14 +119,14 @@ fn normals_beside(target: &Target<'_>, border: [f64; 2]) -> [HalfVector; 2] {
 
 /// Grows a footprint over all sizes at which look-ups and levels change: what the model does not explain is a pop.
 fn grow(target: &Target<'_>, bound: &Bound, recorder: &mut Recorder) {
-    let Some(first) = target.ground.growing.first() else {
+    let Some(first) = target.growing().next() else {
         return;
     };
     let [s, t] = first.patch.normal_by_weight(0.5);
     let h = HalfVector { s, t };
     let peak = target.peak();
     let mut before: Option<f64> = None;
-    for place in &target.ground.growing {
+    for place in target.growing() {
         let footprint = &place.patch.footprint;
         let model = target
             .subject

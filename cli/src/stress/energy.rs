@@ -33,6 +33,7 @@ pub(super) fn check(target: &Target<'_>) -> Outcome {
     }
     if target.roughness.is_some_and(|alpha| alpha >= WIDE)
         && let Some(place) = target.place(COUNTED)
+        && target.is_quick(place)
     {
         sum(target, place, &hemisphere(), &mut recorder);
     }

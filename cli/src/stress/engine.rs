@@ -229,10 +229,11 @@ fn answer(
         .iter()
         .map(|&(name, check)| run_check(name, check, &target))
         .collect();
-    if !ground.left_out.is_empty() {
+    let left_out = [ground.left_out.clone(), target.left_out()].concat();
+    if !left_out.is_empty() {
         let reason = format!(
             "too many texels for the oracle: footprints of {}",
-            ground.left_out.join(", ")
+            left_out.join(", ")
         );
         let skipped = Outcome::skipped("accuracy", reason);
         let mut skipped = named(skipped, subject, variant, roughness, ground);

@@ -14,7 +14,7 @@ pub(super) fn check(target: &Target<'_>) -> Outcome {
     let mut numbers = target.numbers("precision");
     let bound = target.bound();
     let peak = target.peak();
-    for place in &target.ground.rounded {
+    for place in target.rounded() {
         let footprint = &place.patch.footprint;
         let model = target
             .subject

@@ -30,7 +30,7 @@ const REASON: &str =
 pub(super) fn check(target: &Target<'_>) -> Outcome {
     let mut recorder = Recorder::new("reciprocity", REASON);
     let mut numbers = target.numbers("reciprocity");
-    for place in &target.ground.places {
+    for place in target.places() {
         let model = target
             .subject
             .model(target.variant, &place.patch, target.alpha());

@@ -4,10 +4,16 @@ use super::footprints::{self, NamedFootprint};
 use super::maps::NamedMap;
 use super::numbers::Numbers;
 use super::outcome::At;
-use crate::measure::subject::{Bound, Patch, Subject, Variant};
+use crate::measure::subject::{Against, Bound, Patch, Reference, Subject, Variant};
+use crate::measure::visited::texels_visited;
 use glintbake_bake::normals::NormalMap;
 use glintbake_format::model::{Filter, Footprint, HalfVector};
 use glintbake_runtime::Ndf;
+
+/// Seconds that a model may take for a half vector, where some dozens are asked for, where there is one, and where some thousands.
+const SECONDS: f64 = 0.02;
+const SECONDS_OF_ONE: f64 = 0.2;
+const SECONDS_OF_MANY: f64 = 4e-4;
 
 /// The most texels the oracle visits under one footprint, copies of a tile counted, and the most different ones.
 const VISITED: f64 = 3e7;
@@ -71,7 +77,7 @@ impl<'m> Ground<'m> {
             patch: Patch::new(&map.map, &footprint, filter),
         };
         for named in footprints::extreme(&map.map, &mut numbers) {
-            let visited = footprints::texels_visited(&map.map, &named.footprint, filter);
+            let visited = texels_visited(&map.map, &named.footprint, filter);
             let different = visited.min(map.map.texels().len() as f64);
             if visited > VISITED || different > DIFFERENT {
                 ground.left_out.push(named.name);
@@ -116,7 +122,48 @@ impl Ground<'_> {
     }
 }
 
-impl Target<'_> {
+impl<'a> Target<'a> {
+    /// Extreme footprints, those left out for which the model would take minutes.
+    pub fn places(&self) -> impl Iterator<Item = &'a Place<'a>> {
+        self.within(&self.ground.places, SECONDS)
+    }
+
+    /// Some of them rounded to f32, likewise.
+    pub fn rounded(&self) -> impl Iterator<Item = &'a Place<'a>> {
+        self.within(&self.ground.rounded, SECONDS)
+    }
+
+    /// One that grows, as far as the model goes along.
+    pub fn growing(&self) -> impl Iterator<Item = &'a Place<'a>> {
+        self.within(&self.ground.growing, SECONDS_OF_ONE)
+    }
+
+    /// The names of the places that [`places`](Self::places) leaves out.
+    pub fn left_out(&self) -> Vec<&'static str> {
+        let places = self.ground.places.iter();
+        let places = places.filter(|place| self.seconds(place) > SECONDS);
+        places.map(|place| place.name).collect()
+    }
+
+    /// Whether the model can be asked for thousands of half vectors under `place`.
+    pub fn is_quick(&self, place: &Place<'_>) -> bool {
+        self.seconds(place) <= SECONDS_OF_MANY
+    }
+
+    fn within(&self, places: &'a [Place<'a>], seconds: f64) -> impl Iterator<Item = &'a Place<'a>> {
+        let target = *self;
+        let places = places.iter();
+        places.filter(move |place| target.seconds(place) <= seconds)
+    }
+
+    /// Seconds that the model takes for a half vector under `place`, about; 0 of sums over texels.
+    fn seconds(&self, place: &Place<'_>) -> f64 {
+        let patch = &place.patch;
+        let texels = texels_visited(patch.map, &patch.footprint, patch.filter);
+        let (variant, alpha) = (self.variant, self.alpha());
+        texels * self.subject.seconds_a_texel(variant, alpha, Against::Model)
+    }
+
     /// The map.
     pub fn map(&self) -> &NormalMap {
         &self.ground.map.map
@@ -148,9 +195,35 @@ impl Target<'_> {
         Numbers::of(&[check, &self.ground.map.name, self.subject.method().name()])
     }
 
-    /// The place called `name`, if the map has one.
-    pub fn place(&self, name: &str) -> Option<&Place<'_>> {
-        self.ground.places.iter().find(|place| place.name == name)
+    /// The place called `name`, if the map has one that is not left out.
+    pub fn place(&self, name: &str) -> Option<&'a Place<'a>> {
+        self.places().find(|place| place.name == name)
+    }
+}
+
+/// What is put to the test under one footprint, in the place of a model that takes too long for integrals: it is held to the model
+/// half vector by half vector elsewhere.
+pub struct Answered<'a> {
+    /// What is put to the test.
+    pub answers: &'a (dyn Ndf + Sync),
+    /// The footprint.
+    pub footprint: Footprint,
+}
+
+impl Reference for Answered<'_> {
+    fn ndf(&self, half_vector: HalfVector) -> f64 {
+        let ndf = self.answers.eval(&self.footprint, half_vector);
+        ndf.unwrap_or_default()
+    }
+
+    fn pdf(&self, half_vector: HalfVector) -> f64 {
+        let pdf = self.answers.pdf(&self.footprint, half_vector);
+        pdf.unwrap_or_default()
+    }
+
+    fn draw(&self, _: &Patch<'_>, uniform: [f64; 4]) -> Option<HalfVector> {
+        let drawn = self.answers.sample(&self.footprint, uniform);
+        drawn.unwrap_or_default()
     }
 }
 

@@ -2,7 +2,12 @@
 
 use super::{Patch, Reference};
 use glintbake_bake::oracle::analytic::Prepared;
-use glintbake_format::model::{HalfVector, Interpolation};
+use glintbake_format::model::{HalfVector, Interpolation, intrinsic_from_beckmann};
+
+/// Seconds that two triangles take whose normals are near the half vector.
+const SECONDS_A_SQUARE: f64 = 4e-6;
+/// Deviations σr within which they are near.
+const NEAR: f64 = 10.0;
 
 /// The truth of the surface of `patch` under its Gaussian.
 pub(super) fn truth(
@@ -14,6 +19,18 @@ pub(super) fn truth(
         roughness,
         prepared: Prepared::new(patch.map, &patch.footprint, interpolation),
     })
+}
+
+/// Seconds that [`truth`] takes for each texel under a footprint, about: normals are taken to be spread over the disk.
+pub(super) fn seconds_a_texel(interpolation: Interpolation, roughness: f64) -> f64 {
+    let squares = match interpolation {
+        // Weighed once, then summed.
+        Interpolation::None => return 0.0,
+        Interpolation::Linear => 1.0,
+        Interpolation::CatmullRom => 16.0,
+    };
+    let near = (NEAR * intrinsic_from_beckmann(roughness)).min(1.0);
+    squares * near * SECONDS_A_SQUARE
 }
 
 struct Integral {

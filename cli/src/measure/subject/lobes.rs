@@ -1,6 +1,6 @@
 //! `lobes`: Gaussians of position and normal, curved or flat, one or four a texel, and the papers' plain sum.
 
-use super::{Against, Bound, Ladder, Patch, Reference, Subject, Variant, interpolated};
+use super::{Against, Bound, Ladder, Patch, Reference, Subject, Variant, disk_peak, interpolated};
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::oracle::lobes::Prepared;
 use glintbake_bake::{DEFAULT_MERGE_ERROR, MethodRecipe};
@@ -9,7 +9,6 @@ use glintbake_format::model::{
 };
 use glintbake_format::records::Structure;
 use glintbake_runtime::Instance;
-use std::f64::consts::TAU;
 
 pub(super) struct Lobes;
 
@@ -35,8 +34,8 @@ const LATTICES: [LobeLattice; 3] = [
 /// Errors of merging from coarse to none.
 const MERGE_ERRORS: [f64; 4] = [0.1, 0.03, 3e-3, 0.0];
 
-/// The most texels of a footprint whose lobes are summed one by one: a quarter of a second for each half vector.
-const MOST_TEXELS: f64 = 3e5;
+/// Seconds that a lobe of a plain sum takes.
+const SECONDS_A_LOBE: f64 = 3e-8;
 
 impl Subject for Lobes {
     fn method(&self) -> Method {
@@ -78,8 +77,13 @@ impl Subject for Lobes {
         interpolated::truth(self.surface(variant), patch, roughness)
     }
 
-    fn most_texels(&self, _: &Variant) -> f64 {
-        MOST_TEXELS
+    fn seconds_a_texel(&self, variant: &Variant, roughness: f64, of: Against) -> f64 {
+        let per_side = variant.recipe.lattice.unwrap_or(CURVED).per_side;
+        let lobes = f64::from(per_side * per_side) * SECONDS_A_LOBE;
+        match of {
+            Against::Model => lobes,
+            Against::Truth => interpolated::seconds_a_texel(self.surface(variant), roughness),
+        }
     }
 
     fn variants_of(&self, instance: &Instance, filter: Filter) -> Vec<Variant> {
@@ -93,8 +97,7 @@ impl Subject for Lobes {
     }
 
     fn peak(&self, _: &Variant, roughness: f64) -> f64 {
-        let sigma = intrinsic_from_beckmann(roughness);
-        1.0 / (TAU * sigma * sigma)
+        disk_peak(roughness)
     }
 
     fn bound(&self, variant: &Variant, _: Filter, _: &NormalMap, roughness: f64) -> Bound {

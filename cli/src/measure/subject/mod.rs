@@ -2,6 +2,7 @@
 //!
 //! A method joins reports and stress checks by one file here and one row of [`REGISTRY`].
 
+mod analytic;
 mod chart;
 mod cluster_tree;
 mod draw;
@@ -20,7 +21,7 @@ use glintbake_bake::MethodRecipe;
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::oracle::{TexelWeight, texel_weights};
 use glintbake_format::model::{Filter, Footprint, HalfVector, Interpolation, Kernel, Method};
-use glintbake_runtime::{Accuracy, Instance, QueryError, Setting, SurfaceNdf};
+use glintbake_runtime::{Accuracy, Instance, QueryError, Setting, SurfaceNdf, TriangleForm};
 use std::f64::consts::PI;
 
 /// Every method, in the order of its code.
@@ -30,6 +31,7 @@ pub const REGISTRY: &[&dyn Subject] = &[
     &lean::Lean,
     &cluster_tree::ClusterTree,
     &lobes::Lobes,
+    &analytic::Analytic,
 ];
 
 /// The subject of `method`.
@@ -74,11 +76,11 @@ pub trait Subject: Sync {
     /// normal.
     fn truth(&self, variant: &Variant, patch: &Patch<'_>, roughness: f64) -> Box<dyn Reference>;
 
-    /// The most texels of a footprint, out to where it ends, that the model and the truth of `variant` are measured for: beyond,
-    /// they would take minutes.
-    fn most_texels(&self, variant: &Variant) -> f64 {
-        let _ = variant;
-        f64::INFINITY
+    /// Seconds that the model or the truth of `variant` takes for a half vector and each texel that it
+    /// [visits](super::visited::texels_visited), about; 0 if a sum over texels is all it does.
+    fn seconds_a_texel(&self, variant: &Variant, roughness: f64, of: Against) -> f64 {
+        let _ = (variant, roughness, of);
+        0.0
     }
 
     /// The settings of [`variants`](Self::variants) that `instance`, which is baked already, can be asked for.
@@ -129,6 +131,11 @@ pub trait Subject: Sync {
             Filter::Gaussian => vec![tolerance_ladder(self.variants(filter))],
         }
     }
+}
+
+/// The greatest density of a Gaussian of α / √2 on the disk.
+fn disk_peak(roughness: f64) -> f64 {
+    1.0 / (PI * roughness * roughness)
 }
 
 /// Why a method without [variants](Subject::variants) for `filter` is not asked.
@@ -216,7 +223,7 @@ pub struct Variant {
     pub recipe: MethodRecipe,
     /// The setting of queries, if the method has any.
     pub setting: Option<Setting>,
-    /// The tolerance of Gaussian footprints, or the eps of `cluster-tree`, if it is not the default.
+    /// The tolerance of Gaussian footprints, the eps of `cluster-tree`, or the reach of `analytic`, if it is not the default.
     pub tolerance: Option<f64>,
 }
 
@@ -255,6 +262,15 @@ impl Variant {
                 SurfaceNdf::ClusterTree(ndf.with_accuracy(Accuracy::Fast(eps)))
             }
             (SurfaceNdf::Lobes(ndf), _) => SurfaceNdf::Lobes(ndf.with_raw_sum(self.is_paper)),
+            (SurfaceNdf::Analytic(ndf), reach) => {
+                let ndf = reach.map_or(ndf, |reach| ndf.with_reach(reach));
+                let form = if self.is_paper {
+                    TriangleForm::Paper
+                } else {
+                    TriangleForm::Accurate
+                };
+                SurfaceNdf::Analytic(ndf.with_form(form))
+            }
             (ndf, Some(tolerance)) => ndf.with_tolerance(tolerance),
             (ndf, None) => ndf,
         };

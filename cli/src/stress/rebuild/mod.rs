@@ -2,6 +2,7 @@
 
 mod leaves;
 mod lobes;
+mod surface;
 
 use glintbake_bake::normals::NormalMap;
 use glintbake_format::model::{BinGrid, HalfVector, LobeLattice};
@@ -20,7 +21,8 @@ const INSETS: [f64; 4] = [0.25, 1.0 / 64.0, 1.0 / 1024.0, 1.0 / 65_536.0];
 /// point nearest to the pole where the middle is beyond the rim. Its bin is the texel's bin again, so that a model over
 /// bins is that of the original map; a model of each texel's own normal is not. Of a pyramid the means of its level 0, to
 /// what they are stored in; `None` if it begins above that, for then it holds no texel's normal. Of a cluster tree the normals of
-/// its leaves, and of lobes, one a texel, theirs, which are what they answer for; `None` of four a texel, which lie between texels.
+/// its leaves, and of lobes, one a texel, theirs, which are what they answer for; `None` of four a texel, which lie between texels. Of a surface the normals
+/// themselves.
 ///
 /// # Errors
 /// If sections are missing or damaged, or a bin holds no direction.
@@ -36,7 +38,8 @@ pub fn normal_map(
         Structure::Lobes(LobeLattice { per_side: 1, .. }) => {
             Some(lobes::from_lobes(container, instance)?)
         }
-        Structure::Lobes(_) | Structure::Surface { .. } => None,
+        Structure::Lobes(_) => None,
+        Structure::Surface { .. } => Some(surface::from_surface(container, instance)?),
     };
     let Instance {
         width,
