@@ -3,23 +3,26 @@
 use zerocopy::little_endian::{F32, I16, U16, U32};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
-/// The normals of 4 × 4 lobes, row by row. 84 bytes.
+/// The normals of 4 × 4 lobes, row by row. 100 bytes.
 ///
-/// Lobe k has the normal `low + step (s[k], t[k])`. Lobes beyond the lattice have zeros.
+/// Lobe k, x columns and y rows from the middle of the block, has the normal `low + plane (x, y) + step (s[k], t[k])`: as smooth
+/// normals are nearly on a plane, 16 bits are ten times as fine as without it. Lobes beyond the lattice have zeros.
 #[derive(
     Clone, Copy, Debug, PartialEq, FromBytes, IntoBytes, Immutable, KnownLayout, Unaligned,
 )]
 #[repr(C)]
 pub struct LobeBlock {
-    /// 0: least s and t.
+    /// 0: least s and t beside the plane.
     pub low: [F32; 2],
-    /// 8: a 65535th of the sides of the block's box of normals.
+    /// 8: a 65535th of how far they range beside the plane.
     pub step: [F32; 2],
     /// 16: unit of the block's [`LobeSlopes`]; 0 without them.
     pub slope_step: F32,
-    /// 20: s.
+    /// 20: ∂s/∂x, ∂s/∂y, ∂t/∂x and ∂t/∂y of the plane.
+    pub plane: [F32; 4],
+    /// 36: s beside the plane.
     pub s: [U16; 16],
-    /// 52: t.
+    /// 68: t beside the plane.
     pub t: [U16; 16],
 }
 
@@ -39,7 +42,7 @@ pub struct LobeSlopes {
     pub t_y: [I16; 16],
 }
 
-/// A block of curved lobes: normals and slopes side by side, as every query that reads one reads both. 212 bytes.
+/// A block of curved lobes: normals and slopes side by side, as every query that reads one reads both. 228 bytes.
 #[derive(
     Clone, Copy, Debug, PartialEq, FromBytes, IntoBytes, Immutable, KnownLayout, Unaligned,
 )]
@@ -47,7 +50,7 @@ pub struct LobeSlopes {
 pub struct CurvedLobeBlock {
     /// 0: normals.
     pub normals: LobeBlock,
-    /// 84: slopes.
+    /// 100: slopes.
     pub slopes: LobeSlopes,
 }
 
@@ -149,8 +152,8 @@ pub struct LobeMoments {
 }
 
 const _: () = assert!(
-    size_of::<LobeBlock>() == 84
-        && size_of::<CurvedLobeBlock>() == 212
+    size_of::<LobeBlock>() == 100
+        && size_of::<CurvedLobeBlock>() == 228
         && size_of::<CurvedWideLobeBlock>() == 384
         && size_of::<LobeSlopes>() == 128
         && size_of::<WideLobeBlock>() == 128

@@ -134,7 +134,7 @@ const KINDS: &[(FourCc, &[u32])] = &[
     (PYRAMID_ROOT, &[16]),
     (PYRAMID_NODES, &[64]),
     (LOBE_INDEX, &[12]),
-    (LOBES, &[84, 212]),
+    (LOBES, &[100, 228]),
     (WIDE_LOBES, &[128, 384]),
     (LOBE_SPREADS, &[20]),
     (LOBE_MOMENTS, &[244]),

@@ -261,10 +261,16 @@ impl LobeBlock {
     /// Lobe `number` with its slope from `slopes`; `None` beyond 15.
     pub fn lobe(&self, slopes: Option<&LobeSlopes>, number: usize) -> Option<LobeNormal> {
         let (s, t) = (self.s.get(number)?.get(), self.t.get(number)?.get());
+        let (x, y) = ((number % 4) as f64 - 1.5, (number / 4) as f64 - 1.5);
+        let [s_x, s_y, t_x, t_y] = self.plane.map(|slope| f64::from(slope.get()));
         let component =
             |low: f32, step: f32, n: u16| f64::from(low) + f64::from(step) * f64::from(n);
         let [low_s, low_t] = self.low.map(|x| x.get());
         let [step_s, step_t] = self.step.map(|x| x.get());
+        let normal = [
+            component(low_s, step_s, s) + (s_x * x + s_y * y),
+            component(low_t, step_t, t) + (t_x * x + t_y * y),
+        ];
         let unit = f64::from(self.slope_step.get());
         let slope = match slopes {
             Some(slopes) => {
@@ -276,10 +282,7 @@ impl LobeBlock {
             }
             None => [0.0; 4],
         };
-        Some(LobeNormal {
-            normal: [component(low_s, step_s, s), component(low_t, step_t, t)],
-            slope,
-        })
+        Some(LobeNormal { normal, slope })
     }
 }
 

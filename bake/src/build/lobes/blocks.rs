@@ -67,7 +67,7 @@ fn off_plane(lobes: &Lobes, cell: &CellLobe) -> f64 {
         .flatten()
         .all(|lobe| lobe.slope.iter().all(|&slope| slope == 0.0));
     greatest(lobes, |number, _| {
-        let (x, y) = ((number % 4) as f64 - 1.5, (number / 4) as f64 - 1.5);
+        let [x, y] = place(number);
         let lobe = cell.lobe.at(x, y);
         if is_flat {
             LobeNormal {
@@ -91,10 +91,41 @@ fn off(lobes: &Lobes, block: &CurvedLobeBlock) -> f64 {
     })
 }
 
+/// ∂s/∂x, ∂s/∂y, ∂t/∂x and ∂t/∂y of the plane through the normals of a whole block, by least squares; none of one that is not whole.
+fn plane(lobes: &Lobes) -> [f32; 4] {
+    /// The sum of x² over the block.
+    const SQUARES: f64 = 20.0;
+    let mut sums = [0.0; 4];
+    for (number, lobe) in lobes.iter().enumerate() {
+        let Some(lobe) = lobe else { return [0.0; 4] };
+        let [x, y] = place(number);
+        let [s, t] = lobe.normal;
+        for (sum, more) in sums.iter_mut().zip([s * x, s * y, t * x, t * y]) {
+            *sum += more;
+        }
+    }
+    sums.map(|sum| (sum / SQUARES) as f32)
+}
+
+/// Where lobe `number` is, from the middle of its block.
+fn place(number: usize) -> [f64; 2] {
+    [(number % 4) as f64 - 1.5, (number / 4) as f64 - 1.5]
+}
+
 fn narrow(lobes: &Lobes) -> CurvedLobeBlock {
+    let plane = plane(lobes);
+    let beside = |number: usize, lobe: &LobeNormal, axis: usize| {
+        let [x, y] = place(number);
+        let along = f64::from(plane[2 * axis]) * x + f64::from(plane[2 * axis + 1]) * y;
+        lobe.normal[axis] - along
+    };
     let there = || lobes.iter().flatten();
     let fold = |axis: usize, pick: fn(f64, f64) -> f64, start| {
-        there().fold(start, |best, lobe| pick(best, lobe.normal[axis]))
+        lobes
+            .iter()
+            .enumerate()
+            .filter_map(|(number, lobe)| lobe.map(|lobe| beside(number, &lobe, axis)))
+            .fold(start, pick)
     };
     let low = [0, 1].map(|axis| (fold(axis, f64::min, f64::INFINITY) as f32).next_down());
     let step = [0, 1].map(|axis| {
@@ -113,6 +144,7 @@ fn narrow(lobes: &Lobes) -> CurvedLobeBlock {
         low: low.map(F32::new),
         step: step.map(F32::new),
         slope_step: F32::new(slope_step),
+        plane: plane.map(F32::new),
         s: [U16::ZERO; 16],
         t: [U16::ZERO; 16],
     };
@@ -125,7 +157,7 @@ fn narrow(lobes: &Lobes) -> CurvedLobeBlock {
     for (number, lobe) in lobes.iter().enumerate() {
         let Some(lobe) = lobe else { continue };
         let units = |axis: usize| {
-            let part = (lobe.normal[axis] - f64::from(low[axis])) / f64::from(step[axis]);
+            let part = (beside(number, lobe, axis) - f64::from(low[axis])) / f64::from(step[axis]);
             U16::new(part.round().clamp(0.0, 65535.0) as u16)
         };
         block.s[number] = units(0);

@@ -19,9 +19,9 @@ use moments::Sums;
 use rayon::prelude::*;
 use zerocopy::little_endian::{U16, U32};
 
-/// Most that 16 bits may move a normal of flat lobes, and of curved ones, in deviations σr of the kernel: what curved ones spread
-/// besides makes their densities less steep. Densities under the least footprints, of four lobes or so, then err by 1e-4.
-const MOST_ROUNDING: [f64; 2] = [3e-4, 5e-4];
+/// Most that 16 bits may move a normal, in deviations σr of the kernel: densities under the least footprints, of four lobes or so,
+/// err by a third of it.
+const MOST_ROUNDING: f64 = 2e-4;
 
 /// The steepest slope of a Gaussian of deviation 1 and peak 1: a normal moved by δ σr changes a density by at most so much δ.
 const STEEPEST: f64 = 0.606_530_659_712_633_4;
@@ -73,7 +73,7 @@ pub fn build(map: &NormalMap, kind: LobeLattice, precision: Precision) -> Lobes 
     let pyramid = box_pyramid::build(layout, &bounds);
     drop(bounds);
     let rounding = Rounding {
-        most: MOST_ROUNDING[usize::from(kind.curved)] * precision.sigma,
+        most: MOST_ROUNDING * precision.sigma,
         merge: precision.merge_error / STEEPEST * precision.sigma,
     };
     let mut lobes = Lobes {

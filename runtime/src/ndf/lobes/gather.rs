@@ -13,6 +13,7 @@ use glintbake_format::records::{
     LobeBlock, LobeSlopes, LobeSpreads, WideLobeBlock, WideLobeSlopes,
 };
 use glintbake_format::view::{Lobes, LobesOfBlock, PyramidBox};
+use zerocopy::little_endian::F32;
 
 /// Standard deviations, of position and normal together, that a lobe reaches. What lies beyond is `exp(-5² / 2)` of a lobe's peak
 /// at most, 4e-6, and 5e-5 of all that lobes have. Boxes of the pyramid are made for this reach.
@@ -464,14 +465,12 @@ impl<S: Sink> Found<'_, S> {
             let low = f64::from(block.low[axis].get());
             ((self.normal[axis] - low) * self.scale) as f32
         };
-        let (s, t) = (relative(0), relative(1));
-        let step = block
-            .step
-            .map(|step| (f64::from(step.get()) * self.scale) as f32);
-        let mut normals = [[0.0; LANES]; 2];
+        let scaled = |number: F32| (f64::from(number.get()) * self.scale) as f32;
+        let step = block.step.map(scaled);
+        let mut normals = plane([relative(0), relative(1)], block.plane.map(scaled));
         for lane in 0..LANES {
-            normals[0][lane] = s - step[0] * f32::from(block.s[lane].get());
-            normals[1][lane] = t - step[1] * f32::from(block.t[lane].get());
+            normals[0][lane] -= step[0] * f32::from(block.s[lane].get());
+            normals[1][lane] -= step[1] * f32::from(block.t[lane].get());
         }
         normals
     }

@@ -195,7 +195,8 @@ fn sum(lanes: &Lanes) -> f32 {
     (a + c) + (b + d)
 }
 
-/// The half vector less the normals of a merged block's lobes, whose plane is `normal` off it at the middle.
+/// The half vector less normals on a plane, which is `normal` off it at the middle of the block.
+#[inline(always)]
 pub(super) fn plane(normal: [f32; 2], [s_x, s_y, t_x, t_y]: [f32; 4]) -> [Lanes; 2] {
     let mut normals = [[0.0; LANES]; 2];
     for lane in 0..LANES {
