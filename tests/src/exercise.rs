@@ -11,7 +11,8 @@ use glintbake_format::records::InverseKind;
 use glintbake_runtime::microfacet::{brdf, fresnel::Fresnel};
 use glintbake_runtime::ndf::Lookup;
 use glintbake_runtime::{
-    Accuracy, ClusterTree, FlakeBins, Ndf, Package, QueryError, Setting, SurfaceNdf,
+    Accuracy, Analytic, ClusterTree, FlakeBins, Lobes, Ndf, Package, QueryError, Setting,
+    SurfaceNdf, TriangleForm,
 };
 
 /// Instances of one package that are asked.
@@ -82,6 +83,11 @@ fn shade(ndf: &SurfaceNdf<'_>, size: [u32; 2]) {
 
 /// `ndf` by every setting it has and every way to look up, under boxes and Gaussians.
 fn variants(ndf: SurfaceNdf<'_>) -> Vec<SurfaceNdf<'_>> {
+    match ndf.with_filter(Filter::Gaussian) {
+        SurfaceNdf::Lobes(ndf) => return of_lobes(ndf),
+        SurfaceNdf::Analytic(ndf) => return of_surface(ndf),
+        _ => {}
+    }
     let mut variants = vec![ndf];
     let settings = [
         Setting::Binned(Neighbourhood::Bins21),
@@ -127,6 +133,21 @@ fn of_tree(ndf: ClusterTree<'_>) -> impl Iterator<Item = SurfaceNdf<'_>> {
             let accuracy = Accuracy::Fast(eps);
             SurfaceNdf::ClusterTree(ndf.with_filter(filter).with_accuracy(accuracy))
         })
+}
+
+/// Lobes under Gaussians, for needles and for blunt kernels, and by the papers' plain sum.
+fn of_lobes(ndf: Lobes<'_>) -> Vec<SurfaceNdf<'_>> {
+    let rough = [1e-5, 2.0].map(|alpha| ndf.with_roughness(alpha).expect("in range"));
+    let [needle, blunt] = rough.map(SurfaceNdf::Lobes);
+    let raw = SurfaceNdf::Lobes(ndf.with_raw_sum(true));
+    vec![SurfaceNdf::Lobes(ndf), needle, blunt, raw]
+}
+
+/// Surfaces under Gaussians, for blunt kernels, and by the paper's quadratics.
+fn of_surface(ndf: Analytic<'_>) -> Vec<SurfaceNdf<'_>> {
+    let blunt = ndf.with_roughness(2.0).expect("in range");
+    let paper = ndf.with_form(TriangleForm::Paper);
+    [ndf, blunt, paper].map(SurfaceNdf::Analytic).into()
 }
 
 /// What finds the texels of a bin of `ndf`.

@@ -19,7 +19,12 @@ fn recipe() -> Recipe {
 /// Every method, by its name's defaults.
 fn recipe_of_all() -> Recipe {
     let mut recipe = recipe();
-    for method in [Method::Lean, Method::ClusterTree] {
+    for method in [
+        Method::Lean,
+        Method::ClusterTree,
+        Method::Lobes,
+        Method::Analytic,
+    ] {
         recipe.methods.push(MethodRecipe::new(method, &[0.05]));
     }
     recipe

@@ -11,16 +11,21 @@
 //! - `golden/v1/tree-260.glint`, version 1.3: `cluster-tree` with α = 0.05 and 0.004 for queries that name none, of a 260 × 17
 //!   map of flakes, noise and waves (`mixed_map` of seed 7); one tree for both, of three levels of tiles and up to three
 //!   of nodes, with leaves of every kind, masking.
+//! - `golden/v1/lobes-60.glint`, version 1.4: `lobes`, curved and one a texel, at α = 0.05 and 0.004, and `analytic`, linear, at
+//!   α = 0.05, of a 60 × 23 map of flakes, noise and waves (`mixed_map` of seed 7); blocks in 16 bits and wide ones, masking.
 
-use glintbake_format::model::{Filter, Footprint, HalfVector, Kernel, Method};
+use glintbake_format::model::{
+    Filter, Footprint, HalfVector, Interpolation, Kernel, LobeLattice, Method,
+};
 use glintbake_format::records::ClusterNode;
 use glintbake_format::records::{IndexKind, InverseKind, LeafKind, NODES, Structure};
 use glintbake_format::{Container, check};
-use glintbake_runtime::{Accuracy, ClusterTree, Ndf, Package, Setting, SurfaceNdf};
+use glintbake_runtime::{Accuracy, Ndf, Package, Setting, SurfaceNdf};
 
 const V1: &[u8] = include_bytes!("../golden/v1/noise-32.glint");
 const V1_2: &[u8] = include_bytes!("../golden/v1/lean-24.glint");
 const V1_3: &[u8] = include_bytes!("../golden/v1/tree-260.glint");
+const V1_4: &[u8] = include_bytes!("../golden/v1/lobes-60.glint");
 const V1_1: &[u8] = include_bytes!("../golden/v1/scratches-96.glint");
 
 #[test]
@@ -176,13 +181,64 @@ fn version_1_3_answers_as_it_did() {
     ] {
         let ndf = tree.with_filter(filter).with_kernel(kernel);
         let ndf = ndf.and_then(|ndf| ndf.with_roughness(alpha)).unwrap();
-        answers.extend(answers_of_tree(&ndf));
+        let asked = format!("{} {} {alpha}", kernel.name(), filter.name());
+        answers.extend(answers_under_shapes(&ndf, &asked));
+    }
+    insta::assert_json_snapshot!(answers);
+}
+
+#[test]
+fn version_1_4_is_sound_and_says_what_it_is() {
+    let container = Container::open(V1_4).expect("a released version opens forever");
+    check::full(&container, &mut |finding| panic!("{finding}"));
+    assert_eq!(container.header().minor.get(), 4);
+    let instances: Vec<_> = container.instances().map(Result::unwrap).collect();
+    let lattice = Structure::Lobes(LobeLattice {
+        curved: true,
+        per_side: 1,
+    });
+    let surface = Structure::Surface {
+        interpolation: Interpolation::Linear,
+    };
+    assert_eq!(
+        instances
+            .iter()
+            .map(|instance| (instance.method, instance.roughness, instance.structure))
+            .collect::<Vec<_>>(),
+        [
+            (Method::Lobes, Some(0.05), lattice),
+            (Method::Lobes, Some(0.004), lattice),
+            (Method::Analytic, Some(0.05), surface),
+        ]
+    );
+    let kinds: Vec<_> = container
+        .entries()
+        .iter()
+        .map(|entry| entry.kind.to_string())
+        .collect();
+    assert_eq!(
+        kinds,
+        [
+            "INST", "META", "LOBE", "LOBW", "LOIX", "LOMO", "LOSD", "MASK", "PYRN", "PYRR", "GNDF",
+            "GNDR", "NRML", "PYRN", "PYRR"
+        ]
+    );
+}
+
+#[test]
+fn version_1_4_answers_as_it_did() {
+    let package = Package::open(V1_4).unwrap();
+    let mut answers = Vec::new();
+    for number in 1..=3 {
+        let ndf = package.ndf(number).unwrap();
+        let method = ndf.instance().method.name();
+        answers.extend(answers_under_shapes(&ndf, &format!("{method} {number}")));
     }
     insta::assert_json_snapshot!(answers);
 }
 
 /// Densities under footprints from less than a texel to tiles.
-fn answers_of_tree(ndf: &ClusterTree<'_>) -> Vec<String> {
+fn answers_under_shapes(ndf: &impl Ndf, asked: &str) -> Vec<String> {
     let mut answers = Vec::new();
     for (size, centre) in [
         (0.002, [0.3, 0.4]),
@@ -202,12 +258,7 @@ fn answers_of_tree(ndf: &ClusterTree<'_>) -> Vec<String> {
                 ..1e-3 => "none".to_owned(),
                 _ => format!("{density:.4e}"),
             };
-            answers.push(format!(
-                "{} {} {} {size}: {s} {t} {density}",
-                ndf.kernel().name(),
-                ndf.filter().name(),
-                ndf.roughness(),
-            ));
+            answers.push(format!("{asked} {size}: {s} {t} {density}"));
         }
     }
     answers

@@ -238,8 +238,8 @@ mod tests {
                     .child(layout.place(1, x / 4, y / 4), 4 * (y % 4) + x % 4)
                     .expect("there");
                 let extent = found.extent();
-                for axis in 0..2 {
-                    let high = found.low[axis] + extent[axis];
+                for (axis, side) in extent.into_iter().enumerate() {
+                    let high = found.low[axis] + side;
                     assert!(found.low[axis] <= bounds.low[axis] + 1e-12);
                     assert!(high >= bounds.high[axis] - 1e-12);
                     assert!(found.low[axis] >= bounds.low[axis] - 0.01);

@@ -3,11 +3,6 @@
 //! What a renderer would write first, and what a structure over lobes has to beat: normals and slopes in six arrays of f32, 24
 //! bytes a lobe, read in rows, with the vectors that the runtime has. \[YHMR16\] eq. 6 in the form of \[TZX22\] eq. 6, without the
 //! inverse of a 4 × 4 matrix, divided by the sum of weights.
-#![expect(
-    clippy::needless_range_loop,
-    reason = "several arrays of sixteen in step, which compilers turn into vectors"
-)]
-
 use glintbake_bake::normals::NormalMap;
 use glintbake_format::model::{Footprint, HalfVector, LobeLattice};
 use glintbake_runtime::{Instructions, Work};

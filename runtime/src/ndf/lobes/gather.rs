@@ -56,7 +56,10 @@ impl Sink for Total {
 
     #[inline(always)]
     fn add(&mut self, amount: f64) {
-        self.0 += amount;
+        // Lobes of damaged packages may be no numbers, and then are none.
+        if amount > 0.0 && amount < f64::INFINITY {
+            self.0 += amount;
+        }
     }
 
     #[inline(always)]

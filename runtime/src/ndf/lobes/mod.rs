@@ -275,7 +275,8 @@ impl Sink for Visit<'_> {
         // Positions are in the weight.
         let density = factor / TAU * libm::exp(0.5 * term.position_squared - exponent);
         let weight = weight * self.per_weight;
-        if density > 0.0 && weight > 0.0 {
+        // Lobes of damaged packages may be no numbers, and then are none.
+        if density > 0.0 && density < f64::INFINITY && weight > 0.0 {
             (self.visit)(Facet {
                 normal: direction(term.mean),
                 density,
