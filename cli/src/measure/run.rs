@@ -129,8 +129,8 @@ fn affordable<'e, 'a>(
     for entrant in entrants {
         let alpha = entrant.roughness.unwrap_or_default();
         let seconds = entrant.subject.as_ref().map_or(0.0, |(subject, variant)| {
-            let seconds = |of| subject.seconds_a_texel(variant, alpha, of);
-            texels * seconds(Against::Model).max(seconds(Against::Truth))
+            let seconds = |of| subject.seconds(variant, map, texels, alpha, of);
+            seconds(Against::Model).max(seconds(Against::Truth))
         });
         if seconds <= MOST_SECONDS {
             affordable.push(entrant);

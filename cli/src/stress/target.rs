@@ -161,7 +161,8 @@ impl<'a> Target<'a> {
         let patch = &place.patch;
         let texels = texels_visited(patch.map, &patch.footprint, patch.filter);
         let (variant, alpha) = (self.variant, self.alpha());
-        texels * self.subject.seconds_a_texel(variant, alpha, Against::Model)
+        self.subject
+            .seconds(variant, patch.map, texels, alpha, Against::Model)
     }
 
     /// The map.

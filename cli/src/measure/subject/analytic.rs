@@ -67,8 +67,15 @@ impl Subject for Analytic {
         }
     }
 
-    fn seconds_a_texel(&self, variant: &Variant, roughness: f64, _: Against) -> f64 {
-        interpolated::seconds_a_texel(self.surface(variant), roughness)
+    fn seconds(
+        &self,
+        variant: &Variant,
+        map: &NormalMap,
+        texels: f64,
+        roughness: f64,
+        _: Against,
+    ) -> f64 {
+        interpolated::seconds(self.surface(variant), map, texels, roughness)
     }
 
     fn variants_of(&self, instance: &Instance, filter: Filter) -> Vec<Variant> {

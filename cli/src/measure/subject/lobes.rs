@@ -77,12 +77,18 @@ impl Subject for Lobes {
         interpolated::truth(self.surface(variant), patch, roughness)
     }
 
-    fn seconds_a_texel(&self, variant: &Variant, roughness: f64, of: Against) -> f64 {
-        let per_side = variant.recipe.lattice.unwrap_or(CURVED).per_side;
-        let lobes = f64::from(per_side * per_side) * SECONDS_A_LOBE;
+    fn seconds(
+        &self,
+        variant: &Variant,
+        map: &NormalMap,
+        texels: f64,
+        roughness: f64,
+        of: Against,
+    ) -> f64 {
+        let per_side = f64::from(variant.recipe.lattice.unwrap_or(CURVED).per_side);
         match of {
-            Against::Model => lobes,
-            Against::Truth => interpolated::seconds_a_texel(self.surface(variant), roughness),
+            Against::Model => SECONDS_A_LOBE * per_side * per_side * texels,
+            Against::Truth => interpolated::seconds(self.surface(variant), map, texels, roughness),
         }
     }
 

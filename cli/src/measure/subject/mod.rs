@@ -76,10 +76,17 @@ pub trait Subject: Sync {
     /// normal.
     fn truth(&self, variant: &Variant, patch: &Patch<'_>, roughness: f64) -> Box<dyn Reference>;
 
-    /// Seconds that the model or the truth of `variant` takes for a half vector and each texel that it
-    /// [visits](super::visited::texels_visited), about; 0 if a sum over texels is all it does.
-    fn seconds_a_texel(&self, variant: &Variant, roughness: f64, of: Against) -> f64 {
-        let _ = (variant, roughness, of);
+    /// Seconds that the model or the truth of `variant` takes for a half vector, about, under a footprint on `map` for which it
+    /// [visits](super::visited::texels_visited) so many `texels`; 0 if all it does is a sum over texels.
+    fn seconds(
+        &self,
+        variant: &Variant,
+        map: &NormalMap,
+        texels: f64,
+        roughness: f64,
+        of: Against,
+    ) -> f64 {
+        let _ = (variant, map, texels, roughness, of);
         0.0
     }
 
