@@ -3,7 +3,9 @@
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::{MethodRecipe, Recipe, bake};
 use glintbake_cli::measure::plan::Shape;
-use glintbake_format::model::{Filter, Footprint, HalfVector, Method, Wrap};
+use glintbake_format::model::{
+    Filter, Footprint, HalfVector, Interpolation, LobeLattice, Method, Wrap,
+};
 use glintbake_format::records::InverseKind;
 use glintbake_samples::{Kind, Options, generate};
 
@@ -57,6 +59,28 @@ pub fn lean_package(map: &NormalMap, roughness: &[f64]) -> Vec<u8> {
 /// The bytes of `map` baked for `cluster-tree` with each roughness as a default.
 pub fn tree_package(map: &NormalMap, roughness: &[f64]) -> Vec<u8> {
     package(map, MethodRecipe::new(Method::ClusterTree, roughness))
+}
+
+/// The bytes of `map` baked for `lobes` of `lattice`, for each roughness.
+pub fn lobes_package(map: &NormalMap, lattice: LobeLattice, roughness: &[f64]) -> Vec<u8> {
+    let recipe = MethodRecipe {
+        lattice: Some(lattice),
+        ..MethodRecipe::new(Method::Lobes, roughness)
+    };
+    package(map, recipe)
+}
+
+/// The bytes of `map` baked for `analytic` by `interpolation`, for each roughness.
+pub fn surface_package(
+    map: &NormalMap,
+    interpolation: Interpolation,
+    roughness: &[f64],
+) -> Vec<u8> {
+    let recipe = MethodRecipe {
+        interpolation: Some(interpolation),
+        ..MethodRecipe::new(Method::Analytic, roughness)
+    };
+    package(map, recipe)
 }
 
 /// A map of which the left half is flakes and the right noise, above its last rows of waves: cluster trees store leaves of

@@ -5,6 +5,7 @@ pub mod fixtures;
 pub mod lies;
 pub mod naive_lists;
 pub mod seeds;
+pub mod small_surfaces;
 pub mod tolerances;
 
 /// The README's snippets, compiled and run as documentation tests.

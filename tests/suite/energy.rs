@@ -1,9 +1,13 @@
 //! Energy: each flake's kernel integrates to 1 in its own frame, but for what the setting is known to lose.
 
-use glintbake_format::model::{Footprint, HalfVector, Neighbourhood, Wrap};
+use glintbake_format::model::{
+    Footprint, HalfVector, Interpolation, LobeLattice, Neighbourhood, Wrap,
+};
 use glintbake_runtime::{Ndf, Package, Setting};
 use glintbake_samples::Kind;
-use glintbake_tests::fixtures::{Stream, flake_package, sample_map, specular_package};
+use glintbake_tests::fixtures::{
+    Stream, flake_package, lobes_package, sample_map, specular_package, surface_package,
+};
 use glintbake_tests::tolerances::ENERGY;
 
 /// ∫ pdf dω over the hemisphere by midpoints on the disk, `steps` a side within `reach` of (s, t).
@@ -66,6 +70,32 @@ fn a_surface_of_gentle_slopes_keeps_its_energy() {
         if texels < 50.0 {
             let sum = energy(&exact, &footprint, POLE, 1.0, 600);
             assert!((sum - 1.0).abs() < ENERGY, "exact, {texels}: {sum}");
+        }
+    }
+}
+
+#[test]
+fn lobes_and_surfaces_keep_their_energy() {
+    let map = sample_map(Kind::Waves, 48, 32, 2, Wrap::Clamp);
+    let lattice = |curved, per_side| LobeLattice { curved, per_side };
+    for bytes in [
+        lobes_package(&map, lattice(true, 1), &[0.1]),
+        lobes_package(&map, lattice(false, 1), &[0.1]),
+        lobes_package(&map, lattice(true, 2), &[0.1]),
+        surface_package(&map, Interpolation::None, &[0.1]),
+        surface_package(&map, Interpolation::Linear, &[0.1]),
+        surface_package(&map, Interpolation::CatmullRom, &[0.1]),
+    ] {
+        let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
+        let mut stream = Stream::new(3);
+        for texels in [0.0, 0.2, 1.0, 10.0, 100.0] {
+            let footprint = stream.footprint(&map, texels);
+            let sum = energy(&ndf, &footprint, POLE, 1.0, 100);
+            assert!(
+                (sum - 1.0).abs() < ENERGY,
+                "{:?}, {texels}: {sum}",
+                ndf.instance().structure
+            );
         }
     }
 }

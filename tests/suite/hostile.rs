@@ -1,21 +1,25 @@
 //! Damaged and lying packages: a typed finding, never a panic, a hang or a wrong number that looks right.
 
 use glintbake_bake::MethodRecipe;
-use glintbake_format::model::{Filter, Footprint, HalfVector, Method, Neighbourhood, Wrap};
+use glintbake_format::model::{
+    Filter, Footprint, HalfVector, Interpolation, LobeLattice, Method, Neighbourhood, Wrap,
+};
 use glintbake_format::records::{
-    BLOCKED_BIN_MAP, FINE_STARTS, FOREST, INDEX, INSTANCES, INVERSE_BIN_MAP, LEAVES, LIST_BLOCKS,
-    LIST_COUNTS, LIST_KEYS, LIST_TILES, LISTS, MASKING, MEANS, NODES, PAGES, ROOTS, SPREADS,
+    BLOCKED_BIN_MAP, FINE_STARTS, FOREST, GLOBAL_NDF, GLOBAL_ROOT, INDEX, INSTANCES,
+    INVERSE_BIN_MAP, LEAVES, LIST_BLOCKS, LIST_COUNTS, LIST_KEYS, LIST_TILES, LISTS, LOBE_INDEX,
+    LOBE_MOMENTS, LOBES, MASKING, MEANS, NODES, NORMALS, PAGES, PYRAMID_NODES, PYRAMID_ROOT, ROOTS,
+    SPREADS, WIDE_LOBES,
 };
 use glintbake_format::{Container, ENTRY_LENGTH, Fault, FourCc, HEADER_LENGTH, check};
 use glintbake_runtime::{Ndf, Package, Setting};
 use glintbake_samples::Kind;
 use glintbake_tests::exercise::interrogate;
 use glintbake_tests::fixtures::{
-    Stream, flake_package, forest_package, lean_package, mixed_map, package, sample_map,
-    specular_package, tree_package,
+    Stream, flake_package, forest_package, lean_package, lobes_package, mixed_map, package,
+    sample_map, specular_package, surface_package, tree_package,
 };
 use glintbake_tests::lies::{reseal, section_range};
-use glintbake_tests::naive_lists;
+use glintbake_tests::{naive_lists, small_surfaces};
 use proptest::prelude::*;
 
 /// A small package with every kind of section of a forest: dense and sparse index, exact normals, masking.
@@ -51,6 +55,21 @@ fn small_tree() -> Vec<u8> {
     package(&mixed_map(65, 3, 3, Wrap::Repeat), recipe)
 }
 
+/// A small package of two instances that share lobes of three nodes, with blocks of every kind, two of which reach beyond the map.
+fn small_lobes() -> Vec<u8> {
+    let recipe = MethodRecipe {
+        masking: false,
+        ..MethodRecipe::new(Method::Lobes, &[0.4, 0.06])
+    };
+    package(&mixed_map(17, 9, 3, Wrap::Repeat), recipe)
+}
+
+/// A small package of two instances that share a surface of three nodes.
+fn small_surface() -> Vec<u8> {
+    let map = mixed_map(17, 6, 3, Wrap::Clamp);
+    small_surfaces::package(&map, Interpolation::CatmullRom, &[0.4, 0.02])
+}
+
 fn finds_something(bytes: &[u8]) -> bool {
     match Container::open(bytes) {
         Err(_) => true,
@@ -62,6 +81,10 @@ fn finds_something(bytes: &[u8]) -> bool {
     }
 }
 
+fn lattice(curved: bool, per_side: u8) -> LobeLattice {
+    LobeLattice { curved, per_side }
+}
+
 #[test]
 fn a_sound_package_has_no_findings() {
     let map = sample_map(Kind::Noise, 40, 33, 5, Wrap::Clamp);
@@ -71,6 +94,11 @@ fn a_sound_package_has_no_findings() {
         small_tiles_in_full(),
         small_lean(),
         small_tree(),
+        small_lobes(),
+        small_surface(),
+        lobes_package(&map, lattice(true, 2), &[1.0, 0.0001]),
+        lobes_package(&map, lattice(false, 1), &[0.01]),
+        surface_package(&map, Interpolation::Linear, &[1.0, 0.0001]),
         tree_package(&map, &[1.0, 0.0001]),
         lean_package(&map, &[0.9, 0.0001]),
         flake_package(&map, &[0.9, 0.01]),
@@ -90,6 +118,8 @@ fn every_flipped_bit_is_found() {
         small_tiles_in_full(),
         small_lean(),
         small_tree(),
+        small_lobes(),
+        small_surface(),
     ] {
         every_flipped_bit_of_is_found(&sound);
     }
@@ -111,19 +141,21 @@ fn every_flipped_bit_of_is_found(sound: &[u8]) {
 
 #[test]
 fn every_truncation_is_an_error_at_opening() {
-    let sound = small_package();
-    for length in 0..sound.len() {
-        let finding = Container::open(&sound[..length]).expect_err("a cut package does not open");
-        if length >= HEADER_LENGTH {
-            assert_eq!(finding.fault, Fault::FileLength, "{length}");
+    for sound in [small_package(), small_lobes(), small_surface()] {
+        for length in 0..sound.len() {
+            let finding =
+                Container::open(&sound[..length]).expect_err("a cut package does not open");
+            if length >= HEADER_LENGTH {
+                assert_eq!(finding.fault, Fault::FileLength, "{length}");
+            }
         }
+        let mut longer = sound;
+        longer.push(0);
+        assert_eq!(
+            Container::open(&longer).unwrap_err().fault,
+            Fault::FileLength
+        );
     }
-    let mut longer = sound;
-    longer.push(0);
-    assert_eq!(
-        Container::open(&longer).unwrap_err().fault,
-        Fault::FileLength
-    );
 }
 
 #[test]
@@ -262,6 +294,145 @@ fn lies_in_trees_are_found_by_structure_alone_and_survived_by_queries() {
     }
 }
 
+#[test]
+fn lies_in_lobes_are_found_by_structure_alone_and_survived_by_queries() {
+    let sound = small_lobes();
+    let nan = || f32::NAN.to_le_bytes().to_vec();
+    let cases: [Lie; 17] = [
+        (PYRAMID_ROOT, 1, nan(), Fault::PyramidRoot),
+        (
+            PYRAMID_ROOT,
+            1,
+            (-1.0_f32).to_le_bytes().to_vec(),
+            Fault::PyramidRoot,
+        ),
+        (
+            PYRAMID_ROOT,
+            1,
+            1e30_f32.to_le_bytes().to_vec(),
+            Fault::PyramidRoot,
+        ),
+        (PYRAMID_NODES, 1, vec![0xFF; 16], Fault::PyramidBox),
+        (PYRAMID_NODES, 1, vec![0x00; 16], Fault::LobeBox),
+        // Blocks that no cell has, that two nodes share, that are stored twice or far away.
+        (LOBE_INDEX, 1, vec![0xFF; 12], Fault::LobeIndex),
+        (LOBE_INDEX, 1, vec![0xFF; 4], Fault::LobeIndex),
+        (LOBE_INDEX, 1, vec![0xFF; 2], Fault::LobeIndex),
+        (LOBE_INDEX, 1, vec![0x00; 12], Fault::LobeIndex),
+        (LOBE_INDEX, 1, vec![0x01, 0x00], Fault::LobeIndex),
+        // Steps and slopes that are no numbers, or reach far.
+        (LOBES, 1, nan(), Fault::LobeRange),
+        (LOBES, 1, vec![0xFF; 64], Fault::LobeUnused),
+        (LOBES, 1, vec![0x00; 64], Fault::LobeMoments),
+        (WIDE_LOBES, 1, nan(), Fault::LobeRange),
+        (
+            WIDE_LOBES,
+            1,
+            3.0_f32.to_le_bytes().to_vec(),
+            Fault::LobeBox,
+        ),
+        (LOBE_MOMENTS, 1, nan(), Fault::LobeRange),
+        (LOBE_MOMENTS, 1, vec![0x00; 64], Fault::LobeMoments),
+    ];
+    every_lie_is_found_and_survived(&sound, &cases);
+    let records = section_range(&sound, INSTANCES, 0).start;
+    for (place, lie, fault) in [
+        (24, 7, Fault::ReservedNotZero),
+        (32, 1, Fault::ReservedNotZero),
+        (38, 2, Fault::ReservedNotZero),
+        (44, 1, Fault::ReservedNotZero),
+        (48, 1, Fault::ReservedNotZero),
+        (50, 1, Fault::ReservedNotZero),
+        (51, 0, Fault::InstanceField),
+        (51, 3, Fault::InstanceField),
+        (52, 2, Fault::InstanceField),
+        (53, 1, Fault::ReservedNotZero),
+    ] {
+        let mut bytes = sound.clone();
+        bytes[records + place] = lie;
+        assert!(reseal(&mut bytes));
+        let finding = Container::open(&bytes).expect_err("a lying record does not open");
+        assert_eq!(finding.fault, fault, "byte {place}: {finding}");
+    }
+    // Another size, four lobes a texel, or flat ones: the lobes are not those of such a lattice, or of none to share.
+    for (place, lie) in [
+        (8, 30),
+        (12, 30),
+        (64 + 8, 66),
+        (51, 2),
+        (52, 0),
+        (64 + 51, 2),
+    ] {
+        let mut bytes = sound.clone();
+        bytes[records + place] = lie;
+        assert!(reseal(&mut bytes));
+        interrogate(&bytes);
+        // Flat lobes beside slopes that nobody reads are no fault.
+        if place != 52 {
+            assert!(finds_something_in_structure(&bytes), "byte {place}");
+        }
+    }
+}
+
+#[test]
+fn lies_in_surfaces_are_found_by_structure_alone_and_survived_by_queries() {
+    let sound = small_surface();
+    let number = |x: f32| x.to_le_bytes().to_vec();
+    let cases: [Lie; 11] = [
+        (PYRAMID_ROOT, 1, number(f32::NAN), Fault::PyramidRoot),
+        (PYRAMID_ROOT, 1, number(1e30), Fault::PyramidRoot),
+        (PYRAMID_NODES, 1, vec![0xFF; 16], Fault::PyramidBox),
+        (PYRAMID_NODES, 1, vec![0x00; 16], Fault::SurfaceBox),
+        (NORMALS, 1, number(f32::NAN), Fault::SurfaceNormal),
+        (NORMALS, 1, number(1.1), Fault::SurfaceNormal),
+        (NORMALS, 1, number(-0.9), Fault::SurfaceBox),
+        (GLOBAL_ROOT, 1, number(f32::NAN), Fault::GlobalRoot),
+        (GLOBAL_ROOT, 2, number(-1.0), Fault::GlobalRoot),
+        (GLOBAL_NDF, 1, vec![0x00; 4], Fault::GlobalOrder),
+        (GLOBAL_NDF, 2, vec![0xFF; 4], Fault::GlobalOrder),
+    ];
+    every_lie_is_found_and_survived(&sound, &cases);
+    let records = section_range(&sound, INSTANCES, 0).start;
+    for (place, lie, fault) in [
+        (24, 7, Fault::ReservedNotZero),
+        (44, 1, Fault::ReservedNotZero),
+        (48, 1, Fault::ReservedNotZero),
+        (50, 3, Fault::InstanceField),
+        (51, 1, Fault::ReservedNotZero),
+        (52, 1, Fault::ReservedNotZero),
+    ] {
+        let mut bytes = sound.clone();
+        bytes[records + place] = lie;
+        assert!(reseal(&mut bytes));
+        let finding = Container::open(&bytes).expect_err("a lying record does not open");
+        assert_eq!(finding.fault, fault, "byte {place}: {finding}");
+    }
+    for (place, lie) in [(8, 30), (12, 30), (64 + 8, 66), (64 + 50, 1)] {
+        let mut bytes = sound.clone();
+        bytes[records + place] = lie;
+        assert!(reseal(&mut bytes));
+        assert!(finds_something_in_structure(&bytes), "byte {place}");
+        interrogate(&bytes);
+    }
+}
+
+#[test]
+fn every_mask_of_blocks_is_survived() {
+    // Masks say where in the sections each block lies: of every bit of every node, one alone, and all but one.
+    let sound = small_lobes();
+    let index = section_range(&sound, LOBE_INDEX, 1);
+    for place in index.step_by(2) {
+        for bit in 0..16_u32 {
+            for mask in [1_u16 << bit, !(1 << bit)] {
+                let mut bytes = sound.clone();
+                bytes[place..place + 2].copy_from_slice(&mask.to_le_bytes());
+                assert!(reseal(&mut bytes));
+                interrogate(&bytes);
+            }
+        }
+    }
+}
+
 fn finds_something_in_structure(bytes: &[u8]) -> bool {
     let mut found = false;
     let container = Container::open(bytes).expect("its record is in order");
@@ -270,15 +441,16 @@ fn finds_something_in_structure(bytes: &[u8]) -> bool {
 }
 
 #[test]
-fn a_stored_roughness_of_any_size_gives_a_tree_no_wrong_number() {
+fn a_stored_roughness_of_any_size_gives_no_wrong_number() {
     // The format lets 1e-9 to 1e9 through, far beyond what any query may ask for.
-    let sound = small_tree();
-    let roughness = section_range(&sound, INSTANCES, 0).start + 16;
-    for lie in [1e-9_f64, 1e-6, 1e-4, 1.0, 30.0, 1e5, 1e9] {
-        let mut bytes = sound.clone();
-        bytes[roughness..roughness + 8].copy_from_slice(&lie.to_le_bytes());
-        assert!(reseal(&mut bytes));
-        interrogate(&bytes);
+    for sound in [small_tree(), small_lobes(), small_surface()] {
+        let roughness = section_range(&sound, INSTANCES, 0).start + 16;
+        for lie in [1e-9_f64, 1e-6, 1e-4, 1.0, 30.0, 1e5, 1e9] {
+            let mut bytes = sound.clone();
+            bytes[roughness..roughness + 8].copy_from_slice(&lie.to_le_bytes());
+            assert!(reseal(&mut bytes));
+            interrogate(&bytes);
+        }
     }
 }
 
@@ -450,6 +622,8 @@ fn bytes_all_over_a_small_package_may_lie_without_harm() {
         small_tiles_in_full(),
         small_lean(),
         small_tree(),
+        small_lobes(),
+        small_surface(),
     ] {
         // One in seven: the other tests and the corpus lie elsewhere, and 7 divides no record's size.
         for place in (HEADER_LENGTH..sound.len()).step_by(7) {
@@ -472,12 +646,14 @@ proptest! {
     #[test]
     fn any_few_lies_are_survived(
         lies in proptest::collection::vec((any::<proptest::sample::Index>(), any::<u8>()), 1..12),
-        kind in 0..4,
+        kind in 0..6,
     ) {
         let mut bytes = match kind {
             0 => small_tiles_in_full(),
             1 => small_lean(),
             2 => small_tree(),
+            3 => small_lobes(),
+            4 => small_surface(),
             _ => small_package(),
         };
         let data = bytes.len() - HEADER_LENGTH;
@@ -496,11 +672,13 @@ proptest! {
         s in -1.5..1.5,
         t in any::<f64>(),
         paper in any::<bool>(),
-        kind in 0..3,
+        kind in 0..5,
     ) {
         let bytes = match kind {
             0 => small_tiles(),
             1 => small_tree(),
+            2 => small_lobes(),
+            3 => small_surface(),
             _ => small_package(),
         };
         let package = Package::open(&bytes).unwrap();

@@ -2,11 +2,14 @@
 
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::oracle;
-use glintbake_format::model::{Filter, Footprint, HalfVector, Neighbourhood, Wrap};
+use glintbake_format::model::{
+    Filter, Footprint, HalfVector, Interpolation, LobeLattice, Neighbourhood, Wrap,
+};
 use glintbake_runtime::{Ndf, Package, Setting, SurfaceNdf};
 use glintbake_samples::Kind;
 use glintbake_tests::fixtures::{
-    Stream, flake_package, lean_package, sample_map, specular_package,
+    Stream, flake_package, lean_package, lobes_package, sample_map, specular_package,
+    surface_package,
 };
 use std::f64::consts::TAU;
 
@@ -233,6 +236,41 @@ fn lean_samples_follow_the_pdf() {
     let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
     let footprint = Footprint::square([0.4, 0.5], 1.5, 2, 1);
     check(&ndf, &footprint, &RINGS, "lean at the rim");
+}
+
+#[test]
+fn samples_of_lobes_and_surfaces_follow_the_pdf() {
+    let lattice = |curved, per_side| LobeLattice { curved, per_side };
+    for wrap in [Wrap::Repeat, Wrap::Clamp] {
+        let map = sample_map(Kind::Waves, 24, 16, 3, wrap);
+        let mut stream = Stream::new(5);
+        let mut across_border = stream.footprint(&map, 2.5);
+        across_border.centre = [0.1, 0.97];
+        for bytes in [
+            lobes_package(&map, lattice(true, 1), &[0.2]),
+            lobes_package(&map, lattice(false, 2), &[0.2]),
+            surface_package(&map, Interpolation::Linear, &[0.2]),
+            surface_package(&map, Interpolation::CatmullRom, &[0.2]),
+        ] {
+            let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
+            for footprint in [stream.footprint(&map, 0.4), across_border] {
+                let what = format!("{:?}, {wrap:?}, {footprint:?}", ndf.instance().structure);
+                check(&ndf, &footprint, &RINGS, &what);
+            }
+        }
+    }
+    // Of lobes that the rim cuts, no vector is a cell of its own; raw sums are sampled as normalised ones.
+    let tilted = NormalMap::new(2, 1, Wrap::Clamp, vec![[0.95, 0.2], [0.8, 0.3]]);
+    let footprint = Footprint::square([0.4, 0.5], 1.5, 2, 1);
+    let bytes = lobes_package(&tilted, lattice(true, 1), &[0.3]);
+    let Ok(SurfaceNdf::Lobes(ndf)) = Package::open(&bytes).unwrap().ndf(1) else {
+        panic!("baked for lobes");
+    };
+    let raw = SurfaceNdf::Lobes(ndf.with_raw_sum(true));
+    check(&raw, &footprint, &RINGS, "raw lobes at the rim");
+    let bytes = surface_package(&tilted, Interpolation::Linear, &[0.3]);
+    let ndf = Package::open(&bytes).unwrap().ndf(1).unwrap();
+    check(&ndf, &footprint, &RINGS, "a surface at the rim");
 }
 
 #[test]

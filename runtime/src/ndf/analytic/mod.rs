@@ -309,9 +309,10 @@ impl Ndf for Analytic<'_> {
         Ok((drawn.is_on_disk() && is_reached).then_some(drawn))
     }
 
-    /// `D (h·n)` with the surface's normal n, as the kernel lies on the disk.
+    /// `D (h·n)` with the surface's normal n, as the kernel lies on the disk; D by the accurate form, which is what samples are drawn by.
     fn pdf(&self, footprint: &Footprint, half_vector: HalfVector) -> Result<f64, QueryError> {
         let [.., cosine] = half_vector.direction();
-        Ok(self.eval(footprint, half_vector)? * cosine)
+        let drawn = self.with_form(TriangleForm::Accurate);
+        Ok(drawn.eval(footprint, half_vector)? * cosine)
     }
 }
