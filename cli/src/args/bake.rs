@@ -73,7 +73,7 @@ pub struct BakeArgs {
     #[arg(long, value_parser = kernel)]
     pub kernel: Option<Kernel>,
 
-    /// Lobes of lobes: curved or flat, one a texel, or four with -4 [default: curved]
+    /// What the method lobes is made of: curved or flat lobes, one a texel; curved-4 or flat-4, four [default: curved]
     #[arg(long, value_name = "KIND", value_parser = lobes)]
     pub lobes: Option<LobeLattice>,
 

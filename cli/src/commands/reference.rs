@@ -15,7 +15,7 @@ use std::path::Path;
 /// The map at `image`, to be sampled as `ndf` answers.
 ///
 /// # Errors
-/// [`Failure::Usage`] if `ndf` answers under another filter or kernel than samples do, or the map has another size;
+/// [`Failure::Usage`] if `ndf` answers under another filter or kernel than samples do, or the map has another size or border;
 /// whatever reading the image fails with.
 pub(super) fn read(
     image: &Path,
@@ -56,6 +56,13 @@ pub(super) fn read(
             size[1],
             baked[0],
             baked[1]
+        )));
+    }
+    if map.wrap() != instance.wrap {
+        return Err(usage(format!(
+            "--reference {}: the package continues beyond its border by {1}; add --wrap {1}",
+            image.display(),
+            instance.wrap.name()
         )));
     }
     let interpolation = arguments.interpolate.unwrap_or(match instance.structure {

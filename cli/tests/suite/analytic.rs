@@ -203,6 +203,13 @@ fn a_reference_that_cannot_be_compared_is_refused() {
         &["--reference=small.png"],
         &["--reference small.png: it has 8 x 8 texels, and the package 32 x 20"],
     );
+    refuses(
+        2,
+        &[reference, "--wrap=clamp"],
+        &[
+            "--reference map.png: the package continues beyond its border by repeat; add --wrap repeat",
+        ],
+    );
     refuses(3, &["--reference=none.png"], &["none.png"]);
     refuses(2, &["--samples=2e6"], &["--reference"]);
     for samples in ["0", "-1", "1.5", "many", "1e12", "NaN"] {
