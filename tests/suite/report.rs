@@ -140,13 +140,6 @@ fn errors_are_as_they_were() {
     insta::assert_snapshot!(lines(&report(Kind::Flakes, Filter::Box), METHODS));
 }
 
-#[test]
-fn errors_of_lobes_and_surfaces_are_as_they_were() {
-    let report = report(Kind::Waves, Filter::Gaussian);
-    let methods = [Method::Lobes, Method::Analytic];
-    insta::assert_snapshot!(lines(&report, &methods));
-}
-
 /// The errors of `methods`, and all baselines if these are not some of them.
 fn lines(report: &MapReport, methods: &[Method]) -> String {
     let mut lines = String::new();

@@ -31,9 +31,6 @@ const LATTICES: [LobeLattice; 3] = [
     },
 ];
 
-/// Errors of merging from coarse to none.
-const MERGE_ERRORS: [f64; 4] = [0.1, 0.03, 3e-3, 0.0];
-
 /// Seconds that a lobe of a plain sum takes.
 const SECONDS_A_LOBE: f64 = 3e-8;
 
@@ -125,28 +122,10 @@ impl Subject for Lobes {
         None
     }
 
-    fn ladders(&self, filter: Filter) -> Vec<Ladder> {
-        if filter == Filter::Box {
-            return Vec::new();
-        }
-        let rungs = MERGE_ERRORS.map(|error| {
-            let curved = variant(CURVED, false);
-            Variant {
-                name: format!("merge error {error}"),
-                recipe: MethodRecipe {
-                    merge_error: Some(error),
-                    ..curved.recipe
-                },
-                ..curved
-            }
-        });
-        vec![Ladder {
-            name: "merge error",
-            rungs: rungs.into(),
-            against: Against::Model,
-            exact: 1e-4,
-            slack: 1.05,
-        }]
+    /// Merging is the one choice there is, and lobes of maps that are not smooth have nothing to merge: its errors are held in
+    /// tests/suite/lobes.rs.
+    fn ladders(&self, _: Filter) -> Vec<Ladder> {
+        Vec::new()
     }
 }
 

@@ -158,7 +158,7 @@ impl<S: Sink> Found<'_, S> {
     #[inline(always)]
     fn tell(&mut self, amount: f64, corner: [f64; 2], normals: [[f64; 2]; 4]) {
         if S::EACH {
-            if amount > 0.0 {
+            if amount > 0.0 && amount < f64::INFINITY {
                 let edges = self.query.frame.edges;
                 let share = self.query.share(corner, edges, 1.0);
                 self.sink.cell(amount, mean_of(normals), share);
@@ -201,7 +201,7 @@ impl<S: Sink> Found<'_, S> {
                         ]
                     };
                     let amount = query.square(corner, edges, 1.0, [*a, *b, *c, *d]);
-                    if amount > 0.0 {
+                    if amount > 0.0 && amount < f64::INFINITY {
                         self.tell(amount, corner, [*a, *b, *c, *d]);
                     }
                 }

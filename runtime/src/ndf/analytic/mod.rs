@@ -230,7 +230,9 @@ impl Sink for Visit<'_> {
     fn add(&mut self, _: f64) {}
 
     fn cell(&mut self, amount: f64, [s, t]: [f64; 2], share: f64) {
-        let counts = amount > 0.0 && share > 0.0;
+        // Normals of damaged packages may be no numbers, and then are none.
+        let is_number = |x: f64| x.is_finite() && x > 0.0;
+        let counts = is_number(amount) && is_number(share) && s.is_finite() && t.is_finite();
         if !counts {
             return;
         }
