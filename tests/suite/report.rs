@@ -87,7 +87,10 @@ fn every_method_answers_its_own_model_and_loses_no_more_energy_than_it() {
             let report = report(kind, filter);
             let refusing = |skipped: &Skipped| {
                 let method = Method::from_name(&skipped.contestant.method);
-                method.is_some_and(|method| subject::find(method).variants(filter).is_empty())
+                // Quadrature of surfaces is left out where it takes seconds.
+                skipped.reason.starts_with("its oracles would take")
+                    || method
+                        .is_some_and(|method| subject::find(method).variants(filter).is_empty())
             };
             assert!(report.skipped.iter().all(refusing), "{:?}", report.skipped);
             let mut judged = 0;
