@@ -5,7 +5,7 @@ use crate::build::{global_ndf, surface};
 use crate::error::BakeError;
 use crate::normals::NormalMap;
 use crate::progress::Stage;
-use crate::recipe::{DEFAULT_ROUGHNESS, MethodRecipe};
+use crate::recipe::MethodRecipe;
 use glintbake_format::model::{Interpolation, Method, intrinsic_from_beckmann};
 use glintbake_format::records::{
     GLOBAL_NDF, GLOBAL_ROOT, Instance, NORMALS, PYRAMID_NODES, PYRAMID_ROOT, Structure,
@@ -34,10 +34,7 @@ impl BakeMethod for Analytic {
         bake: &mut Bake<'_>,
     ) -> Result<(), BakeError> {
         bins::check_sides(map)?;
-        let roughness = match &*recipe.roughness {
-            [] => &[DEFAULT_ROUGHNESS],
-            given => given,
-        };
+        let roughness = roughness::or_default(recipe);
         let interpolation = recipe.interpolation.unwrap_or(DEFAULT_INTERPOLATION);
         for (place, &alpha) in roughness.iter().enumerate() {
             let instance = Instance {

@@ -5,7 +5,7 @@ use crate::build::{cluster_tree, raster};
 use crate::error::BakeError;
 use crate::normals::NormalMap;
 use crate::progress::Stage;
-use crate::recipe::{DEFAULT_LEAF_SIZE, DEFAULT_ROUGHNESS, MethodRecipe};
+use crate::recipe::{DEFAULT_LEAF_SIZE, MethodRecipe};
 use glintbake_format::model::{Kernel, Method};
 use glintbake_format::records::{
     FINE_BITS, FINE_STARTS, HALF_RASTER, Instance, LEAVES, NODES, RASTER, ROOTS, RasterLattice,
@@ -66,10 +66,7 @@ impl BakeMethod for ClusterTree {
         bake: &mut Bake<'_>,
     ) -> Result<(), BakeError> {
         bins::check_sides(map)?;
-        let roughness = match &*recipe.roughness {
-            [] => &[DEFAULT_ROUGHNESS],
-            given => given,
-        };
+        let roughness = roughness::or_default(recipe);
         for (place, &alpha) in roughness.iter().enumerate() {
             let instance = Instance {
                 layer: 0,

@@ -5,7 +5,7 @@ use crate::build::lobes::{self, Precision};
 use crate::error::BakeError;
 use crate::normals::NormalMap;
 use crate::progress::Stage;
-use crate::recipe::{DEFAULT_MERGE_ERROR, DEFAULT_ROUGHNESS, MethodRecipe};
+use crate::recipe::{DEFAULT_MERGE_ERROR, MethodRecipe};
 use glintbake_format::model::{LobeLattice, Method, intrinsic_from_beckmann};
 use glintbake_format::records::{
     Instance, LOBE_INDEX, LOBE_MOMENTS, LOBE_SPREADS, LOBES, PYRAMID_NODES, PYRAMID_ROOT,
@@ -46,10 +46,7 @@ impl BakeMethod for Lobes {
         bake: &mut Bake<'_>,
     ) -> Result<(), BakeError> {
         bins::check_sides(map)?;
-        let roughness = match &*recipe.roughness {
-            [] => &[DEFAULT_ROUGHNESS],
-            given => given,
-        };
+        let roughness = roughness::or_default(recipe);
         let lattice = recipe.lattice.unwrap_or(LobeLattice {
             curved: true,
             per_side: 1,

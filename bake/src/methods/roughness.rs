@@ -1,7 +1,7 @@
 //! What the methods with a kernel have in common: the roughnesses they are baked for.
 
 use crate::error::BakeError;
-use crate::recipe::MethodRecipe;
+use crate::recipe::{DEFAULT_ROUGHNESS, MethodRecipe};
 
 /// Smallest Beckmann roughness: below it eq. 16 of \[AWKK21\] wants more bins than 16-bit columns and rows can name.
 const LEAST_ROUGHNESS: f64 = 1e-4;
@@ -40,4 +40,12 @@ pub(super) fn check_range(recipe: &MethodRecipe) -> Result<(), BakeError> {
         });
     }
     Ok(())
+}
+
+/// The roughnesses of a recipe for a method that answers for any: what its instances store for queries that name none.
+pub(super) fn or_default(recipe: &MethodRecipe) -> &[f64] {
+    match &*recipe.roughness {
+        [] => &[DEFAULT_ROUGHNESS],
+        given => given,
+    }
 }

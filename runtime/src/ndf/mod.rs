@@ -318,3 +318,13 @@ impl Ndf for SurfaceNdf<'_> {
         self.method().pdf(footprint, half_vector)
     }
 }
+
+/// `roughness`, if it lies between the least and the greatest of `range`.
+fn within([least, most]: [f64; 2], roughness: f64) -> Result<f64, QueryError> {
+    // Of what is not a number either comparison fails.
+    if roughness >= least && roughness <= most {
+        Ok(roughness)
+    } else {
+        Err(QueryError::RoughnessRange { least, most })
+    }
+}

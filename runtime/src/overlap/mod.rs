@@ -15,7 +15,7 @@ mod squares;
 
 pub(crate) use gaussian::{GaussianFootprint, GaussianRow, LOST, RADIUS};
 pub(crate) use outline::{CoveredRow, Outline};
-pub(crate) use placement::Placement;
+pub(crate) use placement::{EVEN_TILES, Placement};
 pub(crate) use probe::{Probe, Relation};
 pub(crate) use squares::SquareProbe;
 

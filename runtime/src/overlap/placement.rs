@@ -3,6 +3,10 @@
 use crate::error::QueryError;
 use glintbake_format::model::{Footprint, MAX_EDGE_TILES, Wrap};
 
+/// Standard deviation, in tiles, from which a repeating Gaussian weighs an axis evenly: the sum of its copies is a Fourier
+/// series whose first wave has the amplitude `2 exp(-2π² 0.75²)`, 3e-5.
+pub(crate) const EVEN_TILES: f64 = 0.75;
+
 /// Centre and edges of a footprint in texels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placement {

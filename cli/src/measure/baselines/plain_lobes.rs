@@ -52,12 +52,6 @@ impl PlainLobes {
         }
     }
 
-    /// Bytes of all lobes.
-    pub fn bytes(&self) -> usize {
-        let used = if self.is_curved { 6 } else { 2 };
-        used * self.fields[0].len() * size_of::<f32>()
-    }
-
     /// The density at `half_vector` for the kernel's deviation `sigma`, to about 3e-4: what lies beyond four deviations is left out.
     pub fn eval(&self, footprint: &Footprint, half_vector: HalfVector, sigma: f64) -> f64 {
         let [width, height] = self.size.map(|side| side as f64);

@@ -97,12 +97,7 @@ impl<'a> Analytic<'a> {
     /// # Errors
     /// [`QueryError::RoughnessRange`].
     pub fn with_roughness(mut self, roughness: f64) -> Result<Self, QueryError> {
-        let [least, most] = Self::ROUGHNESS;
-        // Written so that NaN is refused.
-        if !(roughness >= least && roughness <= most) {
-            return Err(QueryError::RoughnessRange { least, most });
-        }
-        self.roughness = roughness;
+        self.roughness = super::within(Self::ROUGHNESS, roughness)?;
         self.instance.roughness = Some(roughness);
         Ok(self)
     }

@@ -1,14 +1,10 @@
 //! A Gaussian footprint on a surface: in texels, with the copies of the map it reaches.
 
 use crate::error::QueryError;
-use crate::overlap::Placement;
+use crate::overlap::{EVEN_TILES, Placement};
 use core::f64::consts::TAU;
 use core::ops::Range;
 use glintbake_format::model::{Footprint, Wrap};
-
-/// Standard deviation in tiles, in every direction, from which a repeating Gaussian weighs the map evenly: the sum of its copies is a
-/// Fourier series whose first wave has the amplitude `2 exp(-2π² 0.75²)`, 3e-5.
-const EVEN_TILES: f64 = 0.75;
 
 /// Standard deviation, in texels, that every footprint has at least: points and lines then have a density, and nothing else can
 /// tell.

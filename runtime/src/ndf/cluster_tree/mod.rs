@@ -104,12 +104,7 @@ impl<'a> ClusterTree<'a> {
     /// # Errors
     /// [`QueryError::RoughnessRange`] if `alpha` does not lie between 1e-4 and 1.
     pub fn with_roughness(mut self, alpha: f64) -> Result<Self, QueryError> {
-        let [least, most] = Self::ROUGHNESS;
-        // Written so that NaN is refused.
-        if !(alpha >= least && alpha <= most) {
-            return Err(QueryError::RoughnessRange { least, most });
-        }
-        self.roughness = alpha;
+        self.roughness = super::within(Self::ROUGHNESS, alpha)?;
         self.instance.roughness = Some(alpha);
         Ok(self)
     }

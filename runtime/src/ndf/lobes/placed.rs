@@ -1,13 +1,9 @@
 //! A Gaussian footprint on a lattice of lobes: in spacings, with the copies of the map it reaches.
 
 use crate::error::QueryError;
-use crate::overlap::Placement;
+use crate::overlap::{EVEN_TILES, Placement};
 use core::f64::consts::PI;
 use glintbake_format::model::{Footprint, LobeLattice, Wrap};
-
-/// Standard deviation, in tiles, from which a repeating Gaussian weighs an axis evenly: the sum of its copies is a Fourier
-/// series whose first wave has the amplitude `2 exp(-2π² 0.75²)`, 3e-5.
-const EVEN_TILES: f64 = 0.75;
 
 /// σh² in squared spacings.
 pub(super) const POSITION_VARIANCE: f64 = LobeLattice::DEVIATION * LobeLattice::DEVIATION;
