@@ -12,8 +12,8 @@ use glintbake_tests::fixtures::sample_map;
 
 /// Enough queries to tell one norm from another, and next to no time on timings.
 const EFFORT: Effort = Effort {
-    queries: 32,
-    footprints: 8,
+    queries: 16,
+    footprints: 4,
     texels: 2e4,
     visits: 1e6,
     seconds: 1e-5,

@@ -50,8 +50,8 @@ pub fn built_in(quick: bool) -> Vec<NamedMap> {
             }),
         ),
         named(
-            "waves 96x80",
-            sample(Kind::Waves, [96, 80], 3, Wrap::Repeat),
+            "waves 72x64",
+            sample(Kind::Waves, [72, 64], 3, Wrap::Repeat),
         ),
     ];
     if quick {

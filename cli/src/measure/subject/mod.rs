@@ -241,6 +241,12 @@ impl Variant {
         self.recipe.kernel.unwrap_or(of_method)
     }
 
+    /// Whether `other` differs in name and tolerance alone: models and truths are the same.
+    pub fn asks_the_same_as(&self, other: &Self) -> bool {
+        (&self.recipe, self.setting, self.is_paper)
+            == (&other.recipe, other.setting, other.is_paper)
+    }
+
     /// The recipe for the roughness α `roughness`.
     pub fn recipe_for(&self, roughness: f64) -> MethodRecipe {
         MethodRecipe {
