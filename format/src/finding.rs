@@ -149,6 +149,17 @@ faults! {
     /// Sums of a global NDF fall, or do not end with all.
     GlobalOrder = 3504, "the sums of the global NDF fall, or do not end with the whole";
 
+    /// A block of a quilt is not on the sample.
+    QuiltOrigin = 3601, "a block of the quilt begins beyond the sample, or not at a multiple of the grid";
+    /// A cut of a quilt leaves the overlap.
+    QuiltCut = 3602, "a cut of the quilt lies beyond what both blocks have";
+    /// Cells of a sample that are not where the index says.
+    MipIndex = 3603, "the index of cells names cells out of order, or not those that patches have";
+    /// A clustered lobe that is none.
+    MipLobe = 3604, "a block of clustered lobes has a number that is none, or a lobe of no width";
+    /// Weights of clustered lobes that are not the cell's.
+    MipWeight = 3605, "the clustered lobes of a cell do not weigh as much as the cell";
+
     /// The instance's numbers contradict themselves or this version.
     InstanceField = 4001, "an instance record has a value that this version does not allow";
     /// The instance is not numbered as its place demands.

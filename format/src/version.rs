@@ -12,8 +12,9 @@ pub const MAJOR: u16 = 1;
 /// accepts any minor version.
 ///
 /// 1 added block lists, bin maps in blocks, and masking; 2 added pyramids of moments, and `lean` which reads them; 3 added cluster
-/// trees, and `cluster-tree` which reads them; 4 added box pyramids, with `lobes` and `analytic` which read them.
-pub const MINOR: u16 = 4;
+/// trees, and `cluster-tree` which reads them; 4 added box pyramids, with `lobes` and `analytic` which read them; 5 added quilts and
+/// clustered lobes, and `mip-lobes` which reads them.
+pub const MINOR: u16 = 5;
 
 /// Every section starts at a multiple of this, so that it can be uploaded to a GPU as it is.
 ///

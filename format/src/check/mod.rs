@@ -11,6 +11,7 @@ mod clusters;
 mod inverse_bin_map;
 mod lobes;
 mod masking;
+mod mip_lobes;
 mod pyramid;
 mod surface;
 
@@ -33,6 +34,7 @@ pub fn structure(container: &Container<'_>, report: &mut dyn FnMut(Finding)) {
                     Structure::Pyramid { .. } => pyramid::check(container, &instance, report),
                     Structure::Clusters { .. } => clusters::check(container, &instance, report),
                     Structure::Lobes(_) => lobes::check(container, &instance, report),
+                    Structure::MipLobes(_) => mip_lobes::check(container, &instance, report),
                     Structure::Surface { .. } => {
                         box_pyramid::check(container, &instance, report);
                         surface::check(container, &instance, report);

@@ -16,6 +16,8 @@ pub enum Method {
     Lobes = 5,
     /// Integrals over the triangles of a piecewise linear normal map \[YHJ*14\].
     Analytic = 6,
+    /// Clustered Gaussian lobes, level by level, over a surface quilted from a sample \[TZX22\].
+    MipLobes = 7,
 }
 
 /// Every method this version knows, in order of its code.
@@ -26,6 +28,7 @@ pub const METHODS: &[Method] = &[
     Method::ClusterTree,
     Method::Lobes,
     Method::Analytic,
+    Method::MipLobes,
 ];
 
 impl Method {
@@ -53,6 +56,7 @@ impl Method {
             Self::ClusterTree => "cluster-tree",
             Self::Lobes => "lobes",
             Self::Analytic => "analytic",
+            Self::MipLobes => "mip-lobes",
         }
     }
 
@@ -62,7 +66,7 @@ impl Method {
         match self {
             Self::FlakeBins | Self::ClusterTree => Kernel::Beckmann,
             Self::SpecularBins => Kernel::BinAverage,
-            Self::Lean | Self::Lobes | Self::Analytic => Kernel::Disk,
+            Self::Lean | Self::Lobes | Self::Analytic | Self::MipLobes => Kernel::Disk,
         }
     }
 }

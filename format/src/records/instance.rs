@@ -3,7 +3,7 @@
 use crate::finding::{Fault, Finding};
 use crate::model::{
     BinGrid, Binning, BoxPyramidLayout, ClusterLayout, Filter, Interpolation, Kernel, LobeLattice,
-    Method, PyramidLayout, Wrap,
+    Method, MipLayout, PyramidLayout, QuiltLayout, Wrap,
 };
 use crate::records::INSTANCES;
 use crate::section::SectionId;
@@ -115,8 +115,20 @@ pub struct InstanceRecord {
     pub lobes_per_side: u8,
     /// 52: 1 for curved lobes; else 0.
     pub lobes_curved: u8,
-    /// 53: zero.
-    pub reserved: [u8; 11],
+    /// 53: binary logarithm of the texels from one patch of a quilt to the next; 0 without a quilt.
+    pub patch_log: u8,
+    /// 54: columns, or rows, that blocks of a quilt share; 0 without a quilt.
+    pub overlap: u8,
+    /// 55: binary logarithm of what origins of blocks are multiples of; 0 without a quilt.
+    pub grid_log: u8,
+    /// 56: the lowest level of clustered lobes, from 1; 0 without these.
+    pub first_level: u8,
+    /// 57: blocks of sixteen lobes of each cell, from 1; 0 without clustered lobes.
+    pub cell_blocks: u8,
+    /// 58: zero.
+    pub reserved: [u8; 2],
+    /// 60: columns and rows of the sample; 0 without a quilt.
+    pub sample: [U16; 2],
 }
 
 const _: () = assert!(
@@ -156,6 +168,8 @@ pub enum Structure {
     },
     /// Lobes of position and normal, under a box pyramid over their lattice.
     Lobes(LobeLattice),
+    /// Clustered lobes of position and normal, level by level, of a map or of a surface quilted from a sample.
+    MipLobes(MipLayout),
     /// The normals themselves, under a box pyramid over the squares between them.
     Surface {
         /// How normals continue between texels.
@@ -277,7 +291,13 @@ impl Instance {
             interpolation: 0,
             lobes_per_side: 0,
             lobes_curved: 0,
-            reserved: [0; 11],
+            patch_log: 0,
+            overlap: 0,
+            grid_log: 0,
+            first_level: 0,
+            cell_blocks: 0,
+            reserved: [0; 2],
+            sample: [U16::ZERO; 2],
         };
         match self.structure {
             Structure::Bins(bins) => InstanceRecord {
@@ -302,6 +322,25 @@ impl Instance {
                 lobes_curved: u8::from(lattice.curved),
                 ..record
             },
+            Structure::MipLobes(layout) => {
+                let record = InstanceRecord {
+                    lobes_per_side: layout.per_side,
+                    lobes_curved: 1,
+                    first_level: layout.first_level,
+                    cell_blocks: layout.blocks,
+                    ..record
+                };
+                match layout.quilt {
+                    None => record,
+                    Some(quilt) => InstanceRecord {
+                        patch_log: quilt.patch_log,
+                        overlap: quilt.overlap,
+                        grid_log: quilt.grid_log,
+                        sample: quilt.sample.map(|side| U16::new(side as u16)),
+                        ..record
+                    },
+                }
+            }
             Structure::Surface { interpolation } => InstanceRecord {
                 interpolation: interpolation as u8,
                 ..record
@@ -358,6 +397,7 @@ impl Instance {
                 }),
                 (other, _) => return Err(field.values(1, u64::from(other))),
             },
+            Method::MipLobes => Structure::MipLobes(mip_of(record, [width, height], field)?),
             Method::Analytic => Structure::Surface {
                 interpolation: Interpolation::from_code(record.interpolation)
                     .ok_or(field.values(2, u64::from(record.interpolation)))?,
@@ -379,6 +419,30 @@ impl Instance {
             return Err(finding(Fault::ReservedNotZero));
         }
         Ok(instance)
+    }
+}
+
+/// The MIP lobes of `record`, of a surface of `size` texels; `field` is the finding if there are none such.
+fn mip_of(record: &InstanceRecord, size: [u32; 2], field: Finding) -> Result<MipLayout, Finding> {
+    let sample = record.sample.map(|side| u32::from(side.get()));
+    let quilt = match record.patch_log {
+        0 => None,
+        patch_log => Some(
+            QuiltLayout::new(size, sample, patch_log, record.overlap, record.grid_log)
+                .ok_or(field.values(0, u64::from(patch_log)))?,
+        ),
+    };
+    let layout = MipLayout {
+        size,
+        per_side: record.lobes_per_side,
+        first_level: record.first_level,
+        blocks: record.cell_blocks,
+        quilt,
+    };
+    if layout.is_sound() && record.wrap.get() == Wrap::Repeat as u16 {
+        Ok(layout)
+    } else {
+        Err(field.values(1, u64::from(record.first_level)))
     }
 }
 

@@ -7,6 +7,7 @@ mod clusters;
 mod instance;
 mod lobes;
 mod masking;
+mod mip_lobes;
 mod pyramid;
 mod raster;
 mod surface;
@@ -23,6 +24,7 @@ pub use lobes::{
     LobeSpreads, WideLobeBlock, WideLobeSlopes,
 };
 pub use masking::MaskingValue;
+pub use mip_lobes::MipBlock;
 pub use pyramid::{NarrowMean, SpreadRecord, WideMean};
 pub use raster::{RASTER_SIDE, RasterBlock, RasterLattice, pack_raster, unpack_raster};
 pub use surface::SurfaceNormal;
@@ -101,6 +103,15 @@ pub const GLOBAL_ROOT: FourCc = FourCc(*b"GNDR");
 /// Shares of the pixels of a global NDF, added up, in 2³² - 1 of all.
 pub const GLOBAL_NDF: FourCc = FourCc(*b"GNDF");
 
+/// Where the block of each patch of a quilt begins in the sample, column and row.
+pub const QUILT_ORIGINS: FourCc = FourCc(*b"QORG");
+/// How many columns of each row of a patch, then how many rows of each of its columns, are of the patch before it.
+pub const QUILT_CUTS: FourCc = FourCc(*b"QCUT");
+/// The numbers of the cells of a sample that have clustered lobes, by place and level.
+pub const MIP_INDEX: FourCc = FourCc(*b"MLIX");
+/// Clustered lobes, sixteen a block.
+pub const MIP_BLOCKS: FourCc = FourCc(*b"MLOB");
+
 /// The schema version of every section of this major version so far.
 pub const SCHEMA: u32 = 1;
 
@@ -141,6 +152,10 @@ const KINDS: &[(FourCc, &[u32])] = &[
     (NORMALS, &[8]),
     (GLOBAL_ROOT, &[16]),
     (GLOBAL_NDF, &[4]),
+    (QUILT_ORIGINS, &[4]),
+    (QUILT_CUTS, &[1]),
+    (MIP_INDEX, &[4]),
+    (MIP_BLOCKS, &[512]),
 ];
 
 /// The element sizes a section of `kind` may have, or `None` if this version does not know the kind.
