@@ -29,6 +29,6 @@ pub use error::BakeError;
 pub use package::PackagePlan;
 pub use progress::{Progress, Stage};
 pub use recipe::{
-    Chosen, DEFAULT_LEAF_SIZE, DEFAULT_MERGE_ERROR, DEFAULT_METHOD, DEFAULT_ROUGHNESS, LeftOut,
-    MethodRecipe, Recipe, Source, default_filter,
+    Chosen, DEFAULT_CLUSTERS, DEFAULT_LEAF_SIZE, DEFAULT_MERGE_ERROR, DEFAULT_METHOD,
+    DEFAULT_ROUGHNESS, LeftOut, MethodRecipe, QuiltRecipe, Recipe, Source, default_filter,
 };

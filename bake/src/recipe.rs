@@ -67,6 +67,12 @@ pub struct MethodRecipe {
         skip_serializing_if = "Option::is_none"
     )]
     pub interpolation: Option<Interpolation>,
+    /// Clustered lobes of each cell, for a method that clusters; `None` for [`DEFAULT_CLUSTERS`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clusters: Option<u32>,
+    /// The surface that the map is a sample of; `None` if it is the surface itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub quilt: Option<QuiltRecipe>,
     /// Whether exact normals are stored, 4 bytes a texel.
     pub exact_normals: bool,
     /// Whether a cluster tree has a raster of normals beside it, 4 bytes a texel.
@@ -75,6 +81,49 @@ pub struct MethodRecipe {
     /// Whether the masking of the map's own normals is stored: 4 KB, once for all methods and roughnesses that ask.
     pub masking: bool,
 }
+
+/// A surface quilted from a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct QuiltRecipe {
+    /// Columns and rows of the surface.
+    pub target: [u32; 2],
+    /// Texels from one patch to the next, a power of two; `None` for [`patch_of`](Self::patch_of).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub patch: Option<u32>,
+    /// Columns, or rows, that neighbouring blocks share.
+    pub overlap: u32,
+    /// Most that blocks may differ where they meet, of the mean difference of two texels of the sample, for chance to choose among
+    /// them.
+    pub tolerance: f64,
+    /// What chance begins with.
+    pub seed: u64,
+}
+
+impl QuiltRecipe {
+    /// The quilt of `target` texels with the defaults of \[TZX22\].
+    pub const fn new(target: [u32; 2]) -> Self {
+        Self {
+            target,
+            patch: None,
+            overlap: 2,
+            tolerance: 0.1,
+            seed: 0,
+        }
+    }
+
+    /// The patch asked for, or else 64 texels, less for samples of less than 256: a quarter of them, and at least 8.
+    pub fn patch_of(&self, sample: [u32; 2]) -> u32 {
+        let quarter = sample[0].min(sample[1]) / 4;
+        let largest = 1 << quarter.max(1).ilog2();
+        self.patch
+            .unwrap_or(largest)
+            .clamp(8, if self.patch.is_some() { 4096 } else { 64 })
+    }
+}
+
+/// Clusters of a recipe that names none: what \[TZX22\] takes for glints.
+pub const DEFAULT_CLUSTERS: u32 = 32;
 
 /// Leaf size of a recipe that names none: with tight boxes, larger than the papers' 10 and 16 is faster and smaller.
 pub const DEFAULT_LEAF_SIZE: u32 = 32;
@@ -92,7 +141,7 @@ pub const DEFAULT_MERGE_ERROR: f64 = 2e-4;
 /// The filter of a recipe that names none: boxes, but for methods that are made for Gaussian footprints.
 pub const fn default_filter(method: Method) -> Filter {
     match method {
-        Method::Lobes | Method::Analytic => Filter::Gaussian,
+        Method::Lobes | Method::Analytic | Method::MipLobes => Filter::Gaussian,
         _ => Filter::Box,
     }
 }
@@ -112,6 +161,8 @@ impl MethodRecipe {
             lattice: None,
             merge_error: None,
             interpolation: None,
+            clusters: None,
+            quilt: None,
             exact_normals: false,
             raster_normals: false,
             masking: true,
@@ -251,6 +302,8 @@ impl Recipe {
                 let per_side = method.lattice.map_or(1, |lattice| lattice.per_side);
                 40 * u64::from(per_side) * u64::from(per_side)
             }
+            // A cell of eight texels a side has 32 lobes of 32 bytes as a rule, and those of a surface are no more.
+            Method::MipLobes => 60,
             Method::Analytic => 12,
         };
         let structures: u64 = self.methods.iter().map(structures).sum();

@@ -8,6 +8,7 @@ mod inverse;
 mod lean;
 mod lobes;
 mod masking;
+mod mip_lobes;
 mod options;
 mod roughness;
 mod specular_bins;
@@ -53,6 +54,7 @@ pub const REGISTRY: &[&dyn BakeMethod] = &[
     &cluster_tree::ClusterTree,
     &lobes::Lobes,
     &analytic::Analytic,
+    &mip_lobes::MipLobes,
 ];
 
 /// The baker of `method`.

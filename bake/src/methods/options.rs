@@ -65,7 +65,7 @@ const OPTIONS: &[Owned] = &[
     Owned {
         option: "--lobes",
         value: |recipe| recipe.lattice.map(LobeLattice::name).map(str::to_owned),
-        owners: &[Method::Lobes],
+        owners: &[Method::Lobes, Method::MipLobes],
         thing: "lobes",
     },
     Owned {
@@ -85,11 +85,32 @@ const OPTIONS: &[Owned] = &[
         owners: &[Method::Analytic],
         thing: "surface between texels",
     },
+    Owned {
+        option: "--clusters",
+        value: |recipe| recipe.clusters.map(|clusters| clusters.to_string()),
+        owners: &[Method::MipLobes],
+        thing: "lobes to cluster",
+    },
+    Owned {
+        option: "--target",
+        value: |recipe| {
+            let [width, height] = recipe.quilt?.target;
+            Some(format!("{width}x{height}"))
+        },
+        owners: &[Method::MipLobes],
+        thing: "surface to quilt",
+    },
 ];
 
 /// Options that came with the methods that own them; each method that is older says in its own words why it has none of the
 /// others.
-const LATER: &[&str] = &["--lobes", "--merge-error", "--interpolate"];
+const LATER: &[&str] = &[
+    "--lobes",
+    "--merge-error",
+    "--interpolate",
+    "--clusters",
+    "--target",
+];
 
 /// Refuses every option that is another method's.
 ///

@@ -6,7 +6,7 @@ use glintbake_format::view::LobeNormal;
 
 /// The lobes of one map.
 #[derive(Clone, Copy)]
-pub(super) struct Lattice<'m> {
+pub(in crate::build) struct Lattice<'m> {
     map: &'m NormalMap,
     kind: LobeLattice,
 }

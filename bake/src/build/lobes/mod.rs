@@ -14,7 +14,7 @@ use glintbake_format::records::{
     TileRoot, WideLobeBlock,
 };
 use glintbake_format::view::LobeNormal;
-use lattice::Lattice;
+pub(super) use lattice::Lattice;
 use moments::Sums;
 use rayon::prelude::*;
 use zerocopy::little_endian::{U16, U32};
