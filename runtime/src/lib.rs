@@ -42,7 +42,7 @@ pub use glintbake_format::records::Instance;
 pub use glintbake_format::{Fault, Finding};
 pub use ndf::{
     Accuracy, Analytic, BatchError, Bounded, ClusterTree, Facet, FlakeBins, GlobalNdf, Lean, Lobe,
-    Lobes, Ndf, Queries, Setting, SpecularBins, SurfaceNdf, TriangleForm,
+    Lobes, MipLobes, Ndf, Queries, Setting, SpecularBins, SurfaceNdf, TriangleForm,
 };
 pub use package::Package;
 pub use simd::{Instructions, Work};

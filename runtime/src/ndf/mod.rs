@@ -10,6 +10,7 @@ mod cluster_tree;
 mod flake_bins;
 mod lean;
 mod lobes;
+mod mip_lobes;
 mod specular_bins;
 
 pub use analytic::{Analytic, GlobalNdf, TriangleForm};
@@ -19,6 +20,7 @@ pub use cluster_tree::{Accuracy, Bounded, ClusterTree};
 pub use flake_bins::{FlakeBins, Setting};
 pub use lean::{Lean, Lobe};
 pub use lobes::Lobes;
+pub use mip_lobes::MipLobes;
 pub use specular_bins::SpecularBins;
 
 use crate::error::QueryError;
@@ -139,6 +141,8 @@ pub enum SurfaceNdf<'a> {
     Lobes(Lobes<'a>),
     /// Integrals over a surface of normals, \[YHJ*14\].
     Analytic(Analytic<'a>),
+    /// Clustered lobes of the levels of a quilted surface, \[TZX22\].
+    MipLobes(MipLobes<'a>),
 }
 
 impl<'a> SurfaceNdf<'a> {
@@ -154,6 +158,7 @@ impl<'a> SurfaceNdf<'a> {
             Method::ClusterTree => Self::ClusterTree(ClusterTree::open(container, instance)?),
             Method::Lobes => Self::Lobes(Lobes::open(container, instance)?),
             Method::Analytic => Self::Analytic(Analytic::open(container, instance)?),
+            Method::MipLobes => Self::MipLobes(MipLobes::open(container, instance)?),
         })
     }
 
@@ -170,6 +175,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::ClusterTree(_) => Err(QueryError::SettingUnsupported(Method::ClusterTree)),
             Self::Lobes(_) => Err(QueryError::SettingUnsupported(Method::Lobes)),
             Self::Analytic(_) => Err(QueryError::SettingUnsupported(Method::Analytic)),
+            Self::MipLobes(_) => Err(QueryError::SettingUnsupported(Method::MipLobes)),
         }
     }
 
@@ -178,9 +184,12 @@ impl<'a> SurfaceNdf<'a> {
         match self {
             Self::FlakeBins(ndf) => ndf.setting().name(),
             Self::Lobes(ndf) if ndf.is_raw_sum() => "paper",
-            Self::SpecularBins(_) | Self::Lean(_) | Self::ClusterTree(_) | Self::Lobes(_) => {
-                "default"
-            }
+            Self::MipLobes(ndf) if ndf.has_levels_by_area() => "paper",
+            Self::SpecularBins(_)
+            | Self::Lean(_)
+            | Self::ClusterTree(_)
+            | Self::Lobes(_)
+            | Self::MipLobes(_) => "default",
             Self::Analytic(ndf) => ndf.form().name(),
         }
     }
@@ -193,6 +202,7 @@ impl<'a> SurfaceNdf<'a> {
             Method::ClusterTree => Some(ClusterTree::ROUGHNESS),
             Method::Lobes => Some(Lobes::ROUGHNESS),
             Method::Analytic => Some(Analytic::ROUGHNESS),
+            Method::MipLobes => Some(MipLobes::ROUGHNESS),
         }
     }
 
@@ -209,11 +219,12 @@ impl<'a> SurfaceNdf<'a> {
             Self::ClusterTree(ndf) => ndf.with_roughness(alpha).map(Self::ClusterTree),
             Self::Lobes(ndf) => ndf.with_roughness(alpha).map(Self::Lobes),
             Self::Analytic(ndf) => ndf.with_roughness(alpha).map(Self::Analytic),
+            Self::MipLobes(ndf) => ndf.with_roughness(alpha).map(Self::MipLobes),
         }
     }
 
     /// The same P-NDF as the method's paper has it: the 21 bins of `flake-bins` (\[AWKK21\] eq. 15), the plain sum of `lobes`
-    /// (\[YHMR16\]), the fitted error functions of `analytic` (\[YHJ*14\] eq. 9 to 12). Its
+    /// (\[YHMR16\]), the fitted error functions of `analytic` (\[YHJ*14\] eq. 9 to 12), `mip-lobes` of levels by area (\[TZX22\] eq. 8). Its
     /// [`setting_name`](Self::setting_name) is `paper` then.
     ///
     /// # Errors
@@ -222,6 +233,7 @@ impl<'a> SurfaceNdf<'a> {
         match self {
             Self::Lobes(ndf) => Ok(Self::Lobes(ndf.with_raw_sum(true))),
             Self::Analytic(ndf) => Ok(Self::Analytic(ndf.with_form(TriangleForm::Paper))),
+            Self::MipLobes(ndf) => Ok(Self::MipLobes(ndf.with_levels_by_area(true))),
             other => other.with_setting(Setting::Binned(Neighbourhood::Bins21)),
         }
     }
@@ -236,6 +248,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::ClusterTree(ndf) => ndf.filter = filter,
             Self::Lobes(ndf) => *ndf = ndf.with_filter(filter),
             Self::Analytic(ndf) => ndf.filter = filter,
+            Self::MipLobes(ndf) => *ndf = ndf.with_filter(filter),
         }
         self
     }
@@ -255,7 +268,11 @@ impl<'a> SurfaceNdf<'a> {
         match &mut self {
             Self::FlakeBins(ndf) => ndf.how.tolerance = tolerance,
             Self::SpecularBins(ndf) => ndf.how.tolerance = tolerance,
-            Self::Lean(_) | Self::ClusterTree(_) | Self::Lobes(_) | Self::Analytic(_) => {}
+            Self::Lean(_)
+            | Self::ClusterTree(_)
+            | Self::Lobes(_)
+            | Self::Analytic(_)
+            | Self::MipLobes(_) => {}
         }
         self
     }
@@ -269,6 +286,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::ClusterTree(ndf) => ndf.filter(),
             Self::Lobes(ndf) => ndf.filter(),
             Self::Analytic(ndf) => ndf.filter(),
+            Self::MipLobes(ndf) => ndf.filter(),
         }
     }
 
@@ -280,6 +298,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::ClusterTree(ndf) => ndf,
             Self::Lobes(ndf) => ndf,
             Self::Analytic(ndf) => ndf,
+            Self::MipLobes(ndf) => ndf,
         }
     }
 }

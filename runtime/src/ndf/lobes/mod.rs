@@ -16,8 +16,8 @@ mod border;
 mod frame;
 mod gather;
 mod lattice;
-mod placed;
-mod term;
+pub(super) mod placed;
+pub(super) mod term;
 
 use super::bin_weights::check_finite;
 use super::{Facet, Ndf};

@@ -6,11 +6,11 @@ use core::f64::consts::PI;
 use glintbake_format::model::{Footprint, LobeLattice, Wrap};
 
 /// σh² in squared spacings.
-pub(super) const POSITION_VARIANCE: f64 = LobeLattice::DEVIATION * LobeLattice::DEVIATION;
+pub(in crate::ndf) const POSITION_VARIANCE: f64 = LobeLattice::DEVIATION * LobeLattice::DEVIATION;
 
 /// A footprint on a lattice of lobes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placed {
+pub(in crate::ndf) struct Placed {
     /// Centre in spacings: lobe (i, j) is at (i + ½, j + ½).
     pub centre: [f64; 2],
     /// The columns of E, Σp = E Eᵀ.
@@ -56,8 +56,14 @@ impl Placed {
 
     /// The least and the greatest variance in any direction that does not weigh all lobes alike, σh² of the lobes included.
     pub fn variances(&self) -> [f64; 2] {
+        self.footprint_variances()
+            .map(|variance| POSITION_VARIANCE + variance)
+    }
+
+    /// The same of the footprint alone; infinite in directions that weigh all lobes alike.
+    pub fn footprint_variances(&self) -> [f64; 2] {
         let [xx, yy, _] = covariance(self.half_edges);
-        let footprint = match self.even {
+        match self.even {
             [true, true] => [f64::INFINITY; 2],
             [false, true] => [xx, f64::INFINITY],
             [true, false] => [yy, f64::INFINITY],
@@ -73,18 +79,17 @@ impl Placed {
                 };
                 [least, greatest]
             }
-        };
-        footprint.map(|variance| POSITION_VARIANCE + variance)
+        }
     }
 }
 
 /// `|e1 × e2|` of the columns of E: the root of det Σp.
-pub(super) fn cross([[a, b], [c, d]]: [[f64; 2]; 2]) -> f64 {
+pub(in crate::ndf) fn cross([[a, b], [c, d]]: [[f64; 2]; 2]) -> f64 {
     (a * d - b * c).abs()
 }
 
 /// xx, yy and xy of Σp.
-pub(super) fn covariance([[a, b], [c, d]]: [[f64; 2]; 2]) -> [f64; 3] {
+pub(in crate::ndf) fn covariance([[a, b], [c, d]]: [[f64; 2]; 2]) -> [f64; 3] {
     [a * a + c * c, b * b + d * d, a * b + c * d]
 }
 
@@ -111,7 +116,11 @@ fn even_axes(half_edges: [[f64; 2]; 2], [width, height]: [f64; 2]) -> [bool; 2] 
 ///
 /// Lobes are as wide as they are so that this is nearly 1, but it ranges from 0.89 to 1.12 under the least footprints. Left out are
 /// waves of less than 1e-9, as S is at least σh². Axes that weigh evenly have no waves.
-pub(super) fn lattice_sum(offset: [f64; 2], [xx, yy, xy]: [f64; 3], even: [bool; 2]) -> f64 {
+pub(in crate::ndf) fn lattice_sum(
+    offset: [f64; 2],
+    [xx, yy, xy]: [f64; 3],
+    even: [bool; 2],
+) -> f64 {
     const WAVES: [[f64; 2]; 10] = [
         [1.0, 0.0],
         [0.0, 1.0],

@@ -10,7 +10,7 @@ use glintbake_format::view::LobeNormal;
 
 /// The Gaussian of normals of one lobe: a mean, and a covariance R + F Fᵀ.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Term {
+pub(in crate::ndf) struct Term {
     /// The mean normal, a point of the disk.
     pub mean: [f64; 2],
     /// R: variance of s, covariance, variance of t, the kernel's included.
@@ -24,7 +24,12 @@ pub(super) struct Term {
 impl Term {
     /// That of `lobe`, `offset` = `u_p` - `u_i` from the footprint's centre, with the residual covariance `residual`.
     #[inline(always)]
-    pub fn new(frame: &Frame, offset: [f64; 2], lobe: &LobeNormal, residual: [f64; 3]) -> Self {
+    pub(super) fn new(
+        frame: &Frame,
+        offset: [f64; 2],
+        lobe: &LobeNormal,
+        residual: [f64; 3],
+    ) -> Self {
         let p = frame.whitened(offset);
         let [x, y] = frame.shift(p);
         Self {
