@@ -51,6 +51,7 @@ pub fn run(cli: &Cli, console: &Console) -> Result<(), CommandError> {
     pool.install(|| match &cli.command {
         Command::Sample(arguments) => commands::sample::run(arguments, console),
         Command::Bake(arguments) => commands::bake::run(arguments, console),
+        Command::Expand(arguments) => commands::expand::run(arguments, console),
         Command::Inspect(arguments) => commands::inspect::run(arguments, console),
         Command::Verify(arguments) => commands::verify::run(arguments, console),
         Command::Query(arguments) => commands::query::run(arguments, console),

@@ -7,8 +7,8 @@ use crate::exit::{CommandError, Failure};
 use clap::Args;
 use glintbake_bake::image::ReadOptions;
 use glintbake_bake::{
-    BakeError, DEFAULT_LEAF_SIZE, DEFAULT_METHOD, DEFAULT_ROUGHNESS, MethodRecipe, Recipe,
-    default_filter,
+    BakeError, DEFAULT_LEAF_SIZE, DEFAULT_METHOD, DEFAULT_ROUGHNESS, MethodRecipe, QuiltRecipe,
+    Recipe, default_filter,
 };
 use glintbake_format::model::{
     Filter, Interpolation, Kernel, LobeLattice, Method, beckmann_from_intrinsic,
@@ -20,7 +20,7 @@ use std::path::PathBuf;
 fn roughness_help() -> String {
     format!(
         "Beckmann roughnesses α, with commas between, an instance for each. flake-bins and lean answer for these alone; \
-         cluster-tree, lobes and analytic for any, and for the first if a query names none [default for these three: \
+         cluster-tree, lobes, analytic and mip-lobes for any, and for the first if a query names none [default for these four: \
          {DEFAULT_ROUGHNESS}]. lobes are rounded for the least of them: name the sharpest that will be asked for"
     )
 }
@@ -38,7 +38,8 @@ pub struct BakeArgs {
 
     /// Methods to bake for, with commas between: cluster-tree (any roughness, within an error), flake-bins (bins of one
     /// roughness), specular-bins (mirrors), lean (one Gaussian lobe, for distant surfaces), lobes (Gaussian lobes of
-    /// position and normal, any roughness), analytic (integrals over interpolated normals, any roughness)
+    /// position and normal, any roughness), analytic (integrals over interpolated normals, any roughness), mip-lobes (clustered lobes, level by level, of the map or of a
+    /// surface quilted from it, any roughness)
     /// [default: cluster-tree]
     #[arg(long, value_delimiter = ',', value_parser = method)]
     pub method: Vec<Method>,
@@ -52,7 +53,7 @@ pub struct BakeArgs {
     pub bins: Option<u32>,
 
     /// How the footprint of a query that names no filter weighs texels: box or gaussian [default: box; gaussian for
-    /// lobes and analytic, which have no other]
+    /// lobes, analytic and mip-lobes, which have no other]
     #[arg(long, value_parser = filter)]
     pub filter: Option<Filter>,
 
@@ -73,7 +74,8 @@ pub struct BakeArgs {
     #[arg(long, value_parser = kernel)]
     pub kernel: Option<Kernel>,
 
-    /// What the method lobes is made of: curved or flat lobes, one a texel; curved-4 or flat-4, four [default: curved]
+    /// What the methods lobes and mip-lobes are made of: curved or flat lobes, one a texel; curved-4 or flat-4, four [default:
+    /// curved, and curved-4 for mip-lobes]
     #[arg(long, value_name = "KIND", value_parser = lobes)]
     pub lobes: Option<LobeLattice>,
 
@@ -84,6 +86,38 @@ pub struct BakeArgs {
     /// How normals continue between texels, for analytic: none (flakes), linear, or catmull-rom [default: linear]
     #[arg(long, value_name = "KIND", value_parser = interpolation)]
     pub interpolate: Option<Interpolation>,
+
+    /// Clustered lobes of each cell, for mip-lobes: a multiple of 16, to 128 [default: 32]
+    #[arg(long, value_name = "N")]
+    pub clusters: Option<u32>,
+
+    /// Side in texels, or two sides as in 4096x2048, of the surface that mip-lobes quilts from the map, which is a sample of it
+    /// [default: the map is the surface]
+    #[arg(long, value_name = "SIZE", value_parser = target)]
+    pub target: Option<[u32; 2]>,
+
+    /// Texels from one patch of the quilt to the next, a power of two from 8 [default: 64, or a quarter of smaller samples]
+    #[arg(long, value_name = "TEXELS", requires = "target")]
+    pub patch: Option<u32>,
+
+    /// Texels that neighbouring patches share, and that the cut between them runs through
+    #[arg(long, value_name = "TEXELS", requires = "target", default_value_t = 2)]
+    pub overlap: u32,
+
+    /// Most that patches may differ where they meet for chance to choose among them, as a share of how much two texels of the sample
+    /// differ on average
+    #[arg(
+        long,
+        value_name = "SHARE",
+        requires = "target",
+        default_value_t = 0.1,
+        allow_negative_numbers = true
+    )]
+    pub quilt_error: f64,
+
+    /// Seed of the quilt; the same seed gives the same quilt on every machine
+    #[arg(long, requires = "target", default_value_t = 0)]
+    pub seed: u64,
 
     /// Store true normals beside flake-bins (4 bytes a texel), for `query --exact`
     #[arg(long)]
@@ -103,7 +137,7 @@ pub struct BakeArgs {
 
     /// Most memory a bake may take, as in 6GB or 500MB; a map that would take more is refused before it is read.
     /// Counted as 8 bytes a texel, 12 for each instance with bins, 20 for lean, 24 for cluster-tree, 40 for each lobe of
-    /// lobes, 12 for analytic, and 4 each for --exact-normals and --raster-normals
+    /// lobes, 12 for analytic, 60 for mip-lobes, and 4 each for --exact-normals and --raster-normals
     #[arg(long, default_value = "16GB", value_name = "SIZE", value_parser = memory)]
     pub memory: u64,
 
@@ -129,6 +163,16 @@ fn lobes(name: &str) -> Result<LobeLattice, String> {
     let mut all = LobeLattice::ALL.iter().copied();
     all.find(|lattice| lattice.name() == name)
         .ok_or_else(|| "it must be one of curved, flat, curved-4, flat-4".to_owned())
+}
+
+/// A side, or two with an x between.
+fn target(text: &str) -> Result<[u32; 2], String> {
+    let side = |text: &str| text.parse::<u32>().ok();
+    let sides = match text.split_once('x') {
+        None => side(text).map(|side| [side; 2]),
+        Some((width, height)) => side(width).zip(side(height)).map(Into::into),
+    };
+    sides.ok_or_else(|| "give a side in texels, as in 4096, or two, as in 4096x2048".to_owned())
 }
 
 /// The interpolation called `name`; for the command line.
@@ -178,6 +222,7 @@ const ROUGH: &[Method] = &[
     Method::ClusterTree,
     Method::Lobes,
     Method::Analytic,
+    Method::MipLobes,
 ];
 
 /// Methods that answer for boxes; the others for Gaussians alone.
@@ -278,6 +323,17 @@ impl BakeArgs {
         takers.contains(&method) || (!is_taken && self.methods().first() == Some(&method))
     }
 
+    /// The quilt that is asked for.
+    fn quilt(&self) -> Option<QuiltRecipe> {
+        Some(QuiltRecipe {
+            target: self.target?,
+            patch: self.patch,
+            overlap: self.overlap,
+            tolerance: self.quilt_error,
+            seed: self.seed,
+        })
+    }
+
     fn unchecked_recipe(&self) -> Recipe {
         let roughness = self.roughness.all();
         let methods = self
@@ -306,9 +362,13 @@ impl BakeArgs {
                         .unwrap_or(DEFAULT_LEAF_SIZE),
                     finest_level: self.finest_level.filter(|_| goes(&[Method::Lean])),
                     kernel: self.kernel.filter(|_| goes(&[Method::ClusterTree])),
-                    lattice: self.lobes.filter(|_| goes(&[Method::Lobes])),
+                    lattice: self
+                        .lobes
+                        .filter(|_| goes(&[Method::Lobes, Method::MipLobes])),
                     merge_error: self.merge_error.filter(|_| goes(&[Method::Lobes])),
                     interpolation: self.interpolate.filter(|_| goes(&[Method::Analytic])),
+                    clusters: self.clusters.filter(|_| goes(&[Method::MipLobes])),
+                    quilt: self.quilt().filter(|_| goes(&[Method::MipLobes])),
                     exact_normals: self.exact_normals && goes(&[Method::FlakeBins]),
                     raster_normals: self.raster_normals && goes(&[Method::ClusterTree]),
                     masking: !self.no_masking,

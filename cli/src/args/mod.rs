@@ -55,6 +55,8 @@ pub enum Command {
     Sample(SampleArgs),
     /// Bake a normal map into a package
     Bake(Box<BakeArgs>),
+    /// Write the explicit normal map that a package stands for as a PNG
+    Expand(ExpandArgs),
     /// Say what is in a package
     Inspect(InspectArgs),
     /// Check a package; findings are numbered
@@ -75,6 +77,7 @@ impl Command {
         match self {
             Self::Sample(arguments) => arguments.json,
             Self::Bake(arguments) => arguments.json,
+            Self::Expand(arguments) => arguments.json,
             Self::Inspect(arguments) => arguments.json,
             Self::Verify(arguments) => arguments.json,
             Self::Query(arguments) => arguments.json,
@@ -177,6 +180,26 @@ pub struct InspectArgs {
     /// How to open the package
     #[command(flatten)]
     pub open: OpenArgs,
+
+    /// Print the result as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `expand`
+#[derive(Debug, Args)]
+pub struct ExpandArgs {
+    /// How to open the package
+    #[command(flatten)]
+    pub open: OpenArgs,
+
+    /// Number of the instance [default: the first]
+    #[arg(long, value_name = "N")]
+    pub instance: Option<u16>,
+
+    /// PNG file to write, 16 bits a channel
+    #[arg(long, short)]
+    pub output: PathBuf,
 
     /// Print the result as JSON
     #[arg(long)]

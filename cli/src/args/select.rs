@@ -4,7 +4,7 @@ use crate::exit::{CommandError, Failure};
 use clap::Args;
 use glintbake_bake::default_filter;
 use glintbake_format::model::{
-    Filter, Kernel, METHODS, Method, beckmann_from_intrinsic, intrinsic_from_beckmann,
+    Filter, Kernel, METHODS, MIP_LANES, Method, beckmann_from_intrinsic, intrinsic_from_beckmann,
 };
 use glintbake_format::records::Structure;
 use glintbake_runtime::ndf::DEFAULT_TOLERANCE;
@@ -13,12 +13,12 @@ use glintbake_runtime::{Accuracy, Ndf, Package, Setting, SurfaceNdf};
 /// What to evaluate; all of it can be left out.
 #[derive(Debug, Args, Clone, Default)]
 pub struct SettingArgs {
-    /// Method to answer with, cluster-tree, flake-bins, specular-bins, lean, lobes or analytic; the package's first if left
+    /// Method to answer with, cluster-tree, flake-bins, specular-bins, lean, lobes, analytic or mip-lobes; the package's first if left
     /// out
     #[arg(long, value_parser = method)]
     pub method: Option<Method>,
 
-    /// Beckmann roughness α: for cluster-tree any from 0.0001 to 1, for lobes and analytic any from 0.000001 to 10, else one
+    /// Beckmann roughness α: for cluster-tree any from 0.0001 to 1, for lobes, analytic and mip-lobes any from 0.000001 to 10, else one
     /// that was baked; the package's first if left out
     #[arg(
         long,
@@ -32,7 +32,7 @@ pub struct SettingArgs {
     #[arg(long, value_name = "SIGMA", allow_negative_numbers = true)]
     pub intrinsic_roughness: Option<f64>,
 
-    /// How the footprint weighs texels, box or gaussian (the one filter of lobes and analytic); the package's default if
+    /// How the footprint weighs texels, box or gaussian (the one filter of lobes, analytic and mip-lobes); the package's default if
     /// left out
     #[arg(long, value_parser = filter)]
     pub filter: Option<Filter>,
@@ -57,7 +57,7 @@ pub struct SettingArgs {
     pub exact: bool,
 
     /// As the method's paper has it: 21 bins of flake-bins (Atanasov 2021 eq. 15) instead of 45, the plain sum of lobes
-    /// (Yan 2016), the fitted error functions of analytic (Yan 2014 eq. 9 to 12)
+    /// (Yan 2016), the fitted error functions of analytic (Yan 2014 eq. 9 to 12), levels by area of mip-lobes (Tan 2022 eq. 8)
     #[arg(long)]
     pub paper: bool,
 }
@@ -228,6 +228,9 @@ impl SettingArgs {
                 format!("eps={}", self.eps.unwrap_or(Accuracy::DEFAULT))
             }
             Structure::Lobes(lattice) => format!("lobes={}", lattice.name()),
+            Structure::MipLobes(layout) => {
+                format!("clusters={}", usize::from(layout.blocks) * MIP_LANES)
+            }
             Structure::Surface { interpolation } => {
                 format!("interpolation={}", interpolation.name())
             }
@@ -311,7 +314,7 @@ impl SettingArgs {
             ("--exact", "flake-bins", self.exact),
             (
                 "--paper",
-                "flake-bins, lobes and analytic",
+                "flake-bins, lobes, analytic and mip-lobes",
                 self.paper && !has_paper_form,
             ),
         ];

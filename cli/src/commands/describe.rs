@@ -1,7 +1,7 @@
 //! Words for what a package holds, shared by the commands that name it.
 
 use crate::exit::{CommandError, Failure};
-use glintbake_format::model::PyramidLayout;
+use glintbake_format::model::{MIP_LANES, MipLayout, PyramidLayout};
 use glintbake_format::records::{InverseKind, METADATA, Structure};
 use glintbake_format::{Fault, Finding, SectionId};
 use glintbake_runtime::{Instance, Package};
@@ -35,7 +35,10 @@ pub(super) fn instance(instance: &Instance) -> String {
     let roughness = match (instance.roughness, instance.structure) {
         (
             Some(alpha),
-            Structure::Clusters { .. } | Structure::Lobes(_) | Structure::Surface { .. },
+            Structure::Clusters { .. }
+            | Structure::Lobes(_)
+            | Structure::MipLobes(_)
+            | Structure::Surface { .. },
         ) => {
             format!(", any roughness ({alpha} by default)")
         }
@@ -61,6 +64,7 @@ pub(super) fn instance(instance: &Instance) -> String {
             let count = lattice.per_side * lattice.per_side;
             format!("{kind} lobes, {count} a texel")
         }
+        Structure::MipLobes(layout) => mip_lobes(&layout),
         Structure::Surface { interpolation } => {
             format!("interpolation {}", interpolation.name())
         }
@@ -73,6 +77,47 @@ pub(super) fn instance(instance: &Instance) -> String {
         instance.height,
         instance.wrap.name(),
     )
+}
+
+/// Levels and clusters of MIP lobes, and the quilt of their surface.
+fn mip_lobes(layout: &MipLayout) -> String {
+    let count = layout.per_side * layout.per_side;
+    let clusters = usize::from(layout.blocks) * MIP_LANES;
+    let levels = format!(
+        "{count} lobes a texel, {clusters} clusters a cell from level {} to {}",
+        layout.first_level,
+        layout.top()
+    );
+    match layout.quilt {
+        None => levels,
+        Some(quilt) => format!(
+            "{levels}, quilted from {} x {} by patches of {} + {}",
+            quilt.sample[0],
+            quilt.sample[1],
+            quilt.patch(),
+            quilt.overlap
+        ),
+    }
+}
+
+/// The same as a document.
+fn mip_lobes_document(layout: &MipLayout) -> Value {
+    let mut document = json!({
+        "clusters": usize::from(layout.blocks) * MIP_LANES,
+        "first-level": layout.first_level,
+        "lobes-per-texel": layout.per_side * layout.per_side,
+        "top-level": layout.top(),
+    });
+    if let Some(quilt) = layout.quilt {
+        document["quilt"] = json!({
+            "grid": 1_u32 << quilt.grid_log,
+            "overlap": quilt.overlap,
+            "patch": quilt.patch(),
+            "patches": quilt.patches,
+            "sample": quilt.sample,
+        });
+    }
+    document
 }
 
 /// The level of one cell over the map of `instance`.
@@ -111,6 +156,7 @@ pub(super) fn instance_document(instance: &Instance) -> Value {
             "curved": lattice.curved,
             "lobes-per-texel": lattice.per_side * lattice.per_side,
         }),
+        Structure::MipLobes(layout) => mip_lobes_document(&layout),
         Structure::Surface { interpolation } => json!({
             "interpolation": interpolation.name(),
         }),

@@ -31,6 +31,7 @@ pub(super) fn warn(console: &Console, name: impl Display, metadata: &Value, inst
         }
         // Interpolated normals lie between the steps, but for what is not.
         Structure::Lobes(LobeLattice { curved: true, .. })
+        | Structure::MipLobes(_)
         | Structure::Surface {
             interpolation: Interpolation::Linear | Interpolation::CatmullRom,
         } => None,

@@ -2,6 +2,7 @@
 
 pub mod bake;
 mod describe;
+pub mod expand;
 pub mod inspect;
 mod lattice;
 mod open;

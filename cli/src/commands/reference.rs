@@ -67,7 +67,7 @@ pub(super) fn read(
     }
     let interpolation = arguments.interpolate.unwrap_or(match instance.structure {
         Structure::Surface { interpolation } => interpolation,
-        Structure::Lobes(_) => Interpolation::Linear,
+        Structure::Lobes(_) | Structure::MipLobes(_) => Interpolation::Linear,
         Structure::Bins(_) | Structure::Pyramid { .. } | Structure::Clusters { .. } => {
             Interpolation::None
         }

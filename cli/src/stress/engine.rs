@@ -123,14 +123,26 @@ fn on_ground(subject: &dyn Subject, ground: &Ground<'_>, roughness: Option<f64>)
     if variants.is_empty() {
         let roughnesses: Vec<_> = roughness.into_iter().collect();
         let recipe = MethodRecipe::new(subject.method(), &roughnesses);
-        let plan = bake(&ground.map.map, &Recipe::new(vec![recipe]), None);
-        let outcome = plan.map_err(|error| error.to_string()).and_then(|plan| {
-            let bytes = plan.to_bytes();
-            let package = Package::open(&bytes).map_err(|error| error.to_string())?;
-            let ndf = package.ndf(1).map_err(|error| error.to_string())?;
-            Ok(unanswered(subject, roughness, ground, ndf))
-        });
-        outcomes.push(outcome.unwrap_or_else(|error| Outcome::failed("refusals", error)));
+        let outcome = match bake(&ground.map.map, &Recipe::new(vec![recipe]), None) {
+            Ok(plan) => {
+                let bytes = plan.to_bytes();
+                let ndf = Package::open(&bytes)
+                    .map_err(QueryError::from)
+                    .and_then(|package| package.ndf(1));
+                match ndf {
+                    Ok(ndf) => unanswered(subject, roughness, ground, ndf),
+                    Err(error) => Outcome::failed("refusals", error.to_string()),
+                }
+            }
+            // Such as a map that does not repeat.
+            Err(error @ BakeError::Option { .. }) => Outcome {
+                filter: Some(ground.filter),
+                map: ground.map.name.clone(),
+                ..Outcome::refused("refusals", error.to_string()).of(subject, roughness)
+            },
+            Err(error) => Outcome::failed("refusals", error.to_string()),
+        };
+        outcomes.push(outcome);
     }
     for variant in variants {
         let recipe = variant.recipe_for(roughness.unwrap_or_default());

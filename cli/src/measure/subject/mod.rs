@@ -11,6 +11,7 @@ mod interpolated;
 mod lean;
 mod limits;
 mod lobes;
+mod mip_lobes;
 mod specular_bins;
 
 pub use chart::Chart;
@@ -32,6 +33,7 @@ pub const REGISTRY: &[&dyn Subject] = &[
     &cluster_tree::ClusterTree,
     &lobes::Lobes,
     &analytic::Analytic,
+    &mip_lobes::MipLobes,
 ];
 
 /// The subject of `method`.
@@ -230,7 +232,8 @@ pub struct Variant {
     pub recipe: MethodRecipe,
     /// The setting of queries, if the method has any.
     pub setting: Option<Setting>,
-    /// The tolerance of Gaussian footprints, the eps of `cluster-tree`, or the reach of `analytic`, if it is not the default.
+    /// The tolerance of Gaussian footprints, the eps of `cluster-tree`, the reach of `analytic`, or the level bias
+    /// of `mip-lobes`, if it is not the default.
     pub tolerance: Option<f64>,
 }
 
@@ -275,6 +278,10 @@ impl Variant {
                 SurfaceNdf::ClusterTree(ndf.with_accuracy(Accuracy::Fast(eps)))
             }
             (SurfaceNdf::Lobes(ndf), _) => SurfaceNdf::Lobes(ndf.with_raw_sum(self.is_paper)),
+            (SurfaceNdf::MipLobes(ndf), bias) => {
+                let ndf = ndf.with_levels_by_area(self.is_paper);
+                SurfaceNdf::MipLobes(ndf.with_level_bias(bias.unwrap_or(0.0))?)
+            }
             (SurfaceNdf::Analytic(ndf), reach) => {
                 let ndf = reach.map_or(ndf, |reach| ndf.with_reach(reach));
                 let form = if self.is_paper {
