@@ -11,7 +11,7 @@ use glintbake_format::records::InverseKind;
 use glintbake_runtime::microfacet::{brdf, fresnel::Fresnel};
 use glintbake_runtime::ndf::Lookup;
 use glintbake_runtime::{
-    Accuracy, Analytic, ClusterTree, FlakeBins, Lobes, Ndf, Package, QueryError, Setting,
+    Accuracy, Analytic, ClusterTree, FlakeBins, Lobes, MipLobes, Ndf, Package, QueryError, Setting,
     SurfaceNdf, TriangleForm,
 };
 
@@ -86,6 +86,7 @@ fn variants(ndf: SurfaceNdf<'_>) -> Vec<SurfaceNdf<'_>> {
     match ndf.with_filter(Filter::Gaussian) {
         SurfaceNdf::Lobes(ndf) => return of_lobes(ndf),
         SurfaceNdf::Analytic(ndf) => return of_surface(ndf),
+        SurfaceNdf::MipLobes(ndf) => return of_levels(ndf),
         _ => {}
     }
     let mut variants = vec![ndf];
@@ -148,6 +149,16 @@ fn of_surface(ndf: Analytic<'_>) -> Vec<SurfaceNdf<'_>> {
     let blunt = ndf.with_roughness(2.0).expect("in range");
     let paper = ndf.with_form(TriangleForm::Paper);
     [ndf, blunt, paper].map(SurfaceNdf::Analytic).into()
+}
+
+/// Clustered lobes under Gaussians, for needles, by the paper's levels, and by levels far below and above.
+fn of_levels(ndf: MipLobes<'_>) -> Vec<SurfaceNdf<'_>> {
+    let needle = ndf.with_roughness(1e-5).expect("in range");
+    let moved = [-64.0, 2.5].map(|bias| ndf.with_level_bias(bias).expect("finite"));
+    let [below, above] = moved;
+    [ndf, needle, ndf.with_levels_by_area(true), below, above]
+        .map(SurfaceNdf::MipLobes)
+        .into()
 }
 
 /// What finds the texels of a bin of `ndf`.

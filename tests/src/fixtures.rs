@@ -1,7 +1,7 @@
 //! Maps, packages and queries for tests and benchmarks.
 
 use glintbake_bake::normals::NormalMap;
-use glintbake_bake::{MethodRecipe, Recipe, bake};
+use glintbake_bake::{MethodRecipe, QuiltRecipe, Recipe, bake};
 use glintbake_cli::measure::plan::Shape;
 use glintbake_format::model::{
     Filter, Footprint, HalfVector, Interpolation, LobeLattice, Method, Wrap,
@@ -79,6 +79,21 @@ pub fn surface_package(
     let recipe = MethodRecipe {
         interpolation: Some(interpolation),
         ..MethodRecipe::new(Method::Analytic, roughness)
+    };
+    package(map, recipe)
+}
+
+/// The bytes of `map` baked for `mip-lobes` of `clusters` a cell, quilted by `quilt` if there is one, for each roughness.
+pub fn mip_package(
+    map: &NormalMap,
+    clusters: u32,
+    quilt: Option<QuiltRecipe>,
+    roughness: &[f64],
+) -> Vec<u8> {
+    let recipe = MethodRecipe {
+        clusters: Some(clusters),
+        quilt,
+        ..MethodRecipe::new(Method::MipLobes, roughness)
     };
     package(map, recipe)
 }

@@ -19,6 +19,7 @@ mod lean;
 mod lobes;
 mod masked_brdf;
 mod masking;
+mod mip_lobes;
 mod opening;
 mod raster_normals;
 mod report;

@@ -4,7 +4,8 @@ use super::*;
 use glintbake_format::records::{
     BLOCKED_BIN_MAP, FINE_STARTS, GLOBAL_NDF, GLOBAL_ROOT, INDEX, LEAVES, LIST_BLOCKS, LIST_COUNTS,
     LIST_KEYS, LIST_TILES, LISTS, LOBE_INDEX, LOBE_MOMENTS, LOBE_SPREADS, LOBES, MASKING, MEANS,
-    NODES, NORMALS, PAGES, PYRAMID_NODES, PYRAMID_ROOT, ROOTS, SPREADS, WIDE_LOBES,
+    MIP_BLOCKS, MIP_INDEX, NODES, NORMALS, PAGES, PYRAMID_NODES, PYRAMID_ROOT, QUILT_CUTS,
+    QUILT_ORIGINS, ROOTS, SPREADS, WIDE_LOBES,
 };
 
 /// Section, instance, what is written everywhere in it, and the fault at least one place must be found under.
@@ -311,4 +312,45 @@ fn finds_something_in_structure(bytes: &[u8]) -> bool {
     let container = Container::open(bytes).expect("its record is in order");
     check::structure(&container, &mut |_| found = true);
     found
+}
+
+#[test]
+fn lies_in_quilts_are_found_by_structure_alone_and_survived_by_queries() {
+    let sound = small_quilt();
+    let number = |x: f32| x.to_le_bytes().to_vec();
+    let cases: [Lie; 12] = [
+        (NORMALS, 1, number(f32::NAN), Fault::SurfaceNormal),
+        (NORMALS, 1, number(1.1), Fault::SurfaceNormal),
+        (QUILT_ORIGINS, 1, vec![0xFF; 2], Fault::QuiltOrigin),
+        (QUILT_ORIGINS, 1, vec![0x01, 0x00], Fault::QuiltOrigin),
+        (QUILT_ORIGINS, 1, vec![0xFF; 2], Fault::MipIndex),
+        (QUILT_CUTS, 1, vec![0x02], Fault::QuiltCut),
+        (MIP_INDEX, 1, vec![0xFF; 4], Fault::MipIndex),
+        (MIP_INDEX, 1, vec![0x00; 4], Fault::MipIndex),
+        (MIP_BLOCKS, 1, number(f32::NAN), Fault::MipLobe),
+        (MIP_BLOCKS, 1, vec![0xFF; 2], Fault::MipWeight),
+        (MIP_BLOCKS, 1, vec![0x00; 2], Fault::MipLobe),
+        (MIP_BLOCKS, 1, vec![0x00; 32], Fault::MipWeight),
+    ];
+    every_lie_is_found_and_survived(&sound, &cases);
+    every_lie_in_a_record_is_refused(
+        &sound,
+        &[
+            (6, 1, Fault::InstanceField),
+            (8, 12, Fault::InstanceField),
+            (51, 3, Fault::InstanceField),
+            (52, 0, Fault::ReservedNotZero),
+            (53, 2, Fault::InstanceField),
+            (53, 13, Fault::InstanceField),
+            (54, 5, Fault::InstanceField),
+            (55, 4, Fault::InstanceField),
+            (56, 0, Fault::InstanceField),
+            (56, 4, Fault::InstanceField),
+            (57, 0, Fault::InstanceField),
+            (57, 17, Fault::InstanceField),
+            (58, 1, Fault::ReservedNotZero),
+            (60, 8, Fault::InstanceField),
+            (24, 7, Fault::ReservedNotZero),
+        ],
+    );
 }

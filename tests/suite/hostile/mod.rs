@@ -2,7 +2,7 @@
 
 mod lies;
 
-use glintbake_bake::MethodRecipe;
+use glintbake_bake::{MethodRecipe, QuiltRecipe};
 use glintbake_format::model::{
     Filter, Footprint, HalfVector, Interpolation, LobeLattice, Method, Neighbourhood, Wrap,
 };
@@ -82,6 +82,24 @@ fn lattice(curved: bool, per_side: u8) -> LobeLattice {
     LobeLattice { curved, per_side }
 }
 
+/// A small package of a quilted surface, with cells of the sample and of the surface.
+fn small_quilt() -> Vec<u8> {
+    let map = sample_map(Kind::Waves, 16, 24, 5, Wrap::Repeat);
+    let quilt = QuiltRecipe {
+        patch: Some(8),
+        overlap: 1,
+        ..QuiltRecipe::new([16, 8])
+    };
+    let recipe = MethodRecipe {
+        clusters: Some(16),
+        lattice: Some(lattice(true, 1)),
+        quilt: Some(quilt),
+        masking: false,
+        ..MethodRecipe::new(Method::MipLobes, &[0.2, 0.1])
+    };
+    package(&map, recipe)
+}
+
 #[test]
 fn a_sound_package_has_no_findings() {
     let map = sample_map(Kind::Noise, 40, 33, 5, Wrap::Clamp);
@@ -93,6 +111,7 @@ fn a_sound_package_has_no_findings() {
         small_tree(),
         small_lobes(),
         small_surface(),
+        small_quilt(),
         lobes_package(&map, lattice(true, 2), &[1.0, 0.0001]),
         lobes_package(&map, lattice(false, 1), &[0.01]),
         surface_package(&map, Interpolation::Linear, &[1.0, 0.0001]),
@@ -117,6 +136,7 @@ fn every_flipped_bit_is_found() {
         small_tree(),
         small_lobes(),
         small_surface(),
+        small_quilt(),
     ] {
         every_flipped_bit_of_is_found(&sound);
     }
