@@ -9,6 +9,7 @@ pub mod exit;
 pub mod measure;
 pub mod output;
 pub mod picture;
+pub mod rebuild;
 pub mod report;
 pub mod stress;
 

@@ -5,7 +5,7 @@ use crate::args::ExpandArgs;
 use crate::exit::{CommandError, Failure};
 use crate::output::Console;
 use crate::picture::png;
-use crate::stress::rebuild;
+use crate::rebuild;
 use glintbake_samples::Sample;
 use serde_json::json;
 

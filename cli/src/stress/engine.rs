@@ -3,8 +3,9 @@
 use super::maps::NamedMap;
 use super::outcome::Outcome;
 use super::target::{Ground, Target};
-use super::{CHECKS, FILTERS, convergence, rebuild, refusals, run_check};
+use super::{CHECKS, FILTERS, convergence, refusals, run_check};
 use crate::measure::subject::{REGISTRY, Subject, Variant, find};
+use crate::rebuild;
 use glintbake_bake::{BakeError, MethodRecipe, Recipe, bake};
 use glintbake_runtime::{Instance, Package, QueryError, SurfaceNdf};
 use rayon::prelude::*;

@@ -26,7 +26,6 @@ pub mod maps;
 mod numbers;
 mod outcome;
 mod precision;
-pub mod rebuild;
 mod reciprocity;
 mod refusals;
 mod sampling;

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 ///
 /// # Panics
 /// If the numbers are not those of a quilt of `sample`.
-pub fn expand(
+pub(super) fn expand(
     sample: &NormalMap,
     layout: &QuiltLayout,
     origins: &[[u16; 2]],

@@ -1,6 +1,7 @@
 //! Quilts: a surface of any size from blocks of a small sample, \[TZX22\] §5.1.1 after Efros and Freeman 2001.
 
 mod cuts;
+#[cfg(test)]
 mod expand;
 mod overlaps;
 mod texels;
@@ -10,8 +11,6 @@ use crate::normals::NormalMap;
 use glintbake_format::model::QuiltLayout;
 use overlaps::Overlaps;
 use texels::Texels;
-
-pub use expand::expand;
 
 /// What a quilt is to be.
 #[derive(Clone, Copy, Debug)]

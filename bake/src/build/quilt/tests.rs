@@ -1,4 +1,5 @@
 use super::cuts::cheapest;
+use super::expand::expand;
 use super::texels::difference;
 use super::*;
 use glintbake_format::model::Wrap;

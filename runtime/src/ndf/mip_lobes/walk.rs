@@ -68,8 +68,8 @@ impl<'q> Walk<'q> {
     pub fn level<V: Visitor>(&self, level: Option<u8>, visitor: &mut V) -> Result<(), QueryError> {
         let layout = &self.lobes.layout;
         let variance = match level {
-            None => (LobeLattice::DEVIATION / f64::from(layout.per_side.max(1))).powi_2(),
-            Some(level) => CELL_VARIANCE * f64::from(1_u32 << (level & 31)).powi_2(),
+            None => square(LobeLattice::DEVIATION / f64::from(layout.per_side.max(1))),
+            Some(level) => CELL_VARIANCE * square(f64::from(1_u32 << (level & 31))),
         };
         let reach = Reach::new(self.half_edges, variance);
         let [width, height] = layout.size.map(f64::from);
@@ -219,15 +219,9 @@ impl<'q> Walk<'q> {
     }
 }
 
-trait Square {
-    fn powi_2(self) -> f64;
-}
-
-impl Square for f64 {
-    #[inline(always)]
-    fn powi_2(self) -> f64 {
-        self * self
-    }
+#[inline(always)]
+fn square(x: f64) -> f64 {
+    x * x
 }
 
 /// The ellipse within reach.
