@@ -14,7 +14,7 @@ use glintbake_bake::{MethodRecipe, QuiltRecipe, Recipe, bake};
 use glintbake_cli::measure::baselines::plain_lobes::PlainLobes;
 use glintbake_cli::measure::plan::Shape;
 use glintbake_cli::measure::stream::Stream;
-use glintbake_cli::stress::rebuild;
+use glintbake_cli::rebuild;
 use glintbake_format::model::{Filter, Footprint, HalfVector, LobeLattice, Method, Wrap};
 use glintbake_runtime::{MipLobes, Ndf, Package, SurfaceNdf};
 use glintbake_samples::Kind;

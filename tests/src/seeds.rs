@@ -4,8 +4,8 @@ use crate::fixtures::{mixed_map, package, sample_map};
 use crate::lies::{reseal, section_range};
 use crate::naive_lists;
 use crate::small_surfaces;
-use glintbake_bake::MethodRecipe;
 use glintbake_bake::normals::NormalMap;
+use glintbake_bake::{MethodRecipe, QuiltRecipe};
 use glintbake_format::model::Interpolation::{CatmullRom, Linear, None as Constant};
 use glintbake_format::model::{Kernel, LobeLattice, Method, Wrap};
 use glintbake_format::records::InverseKind::{self, Forest, None as NoInverse, Tiles};
@@ -51,6 +51,7 @@ pub fn seeds() -> Vec<Seed> {
         all_of_lean(),
         all_of_a_tree(),
         all_of_lobes(),
+        all_of_a_quilt(),
         small_surfaces::package(
             &sample_map(Kind::Flakes, 9, 7, 5, Wrap::Repeat),
             Linear,
@@ -130,6 +131,29 @@ fn all_of_lobes() -> Vec<u8> {
     lobes(&NormalMap::new(20, 7, Wrap::Repeat, texels), true, 1, 0.004)
 }
 
+/// Patches, cuts, and cells of the sample and of the surface.
+fn all_of_a_quilt() -> Vec<u8> {
+    let sample = sample_map(Kind::Waves, 16, 16, 5, Wrap::Repeat);
+    let quilt = QuiltRecipe {
+        patch: Some(8),
+        overlap: 1,
+        ..QuiltRecipe::new([16, 8])
+    };
+    mip(&sample, Some(quilt))
+}
+
+/// Sixteen clusters a cell of lobes, one a texel, of `map` or of its quilt.
+fn mip(map: &NormalMap, quilt: Option<QuiltRecipe>) -> Vec<u8> {
+    let recipe = MethodRecipe {
+        clusters: Some(16),
+        lattice: LobeLattice::ALL.first().copied(),
+        quilt,
+        masking: false,
+        ..MethodRecipe::new(Method::MipLobes, &[0.1])
+    };
+    package(map, recipe)
+}
+
 fn sound() -> Vec<(&'static str, Vec<u8>)> {
     let repeat = sample_map(Kind::Flakes, 9, 7, 5, Wrap::Repeat);
     let clamp = sample_map(Kind::Noise, 7, 8, 2, Wrap::Clamp);
@@ -168,6 +192,8 @@ fn sound() -> Vec<(&'static str, Vec<u8>)> {
         ("lobes-flat-clamp", lobes(&clamp, false, 1, 0.3)),
         ("lobes-of-quarters", lobes(&small, true, 2, 0.01)),
         ("lobes-one-texel", lobes(&texel, true, 1, 0.5)),
+        ("mip-lobes", mip(&repeat, None)),
+        ("mip-lobes-quilted", all_of_a_quilt()),
         (
             "surface",
             small_surfaces::package(&repeat, Linear, &[0.1, 0.01]),

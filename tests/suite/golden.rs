@@ -13,9 +13,12 @@
 //!   of nodes, with leaves of every kind, masking.
 //! - `golden/v1/lobes-60.glint`, version 1.4: `lobes`, curved and one a texel, at α = 0.05 and 0.004, and `analytic`, linear, at
 //!   α = 0.05, of a 60 × 23 map of flakes, noise and waves (`mixed_map` of seed 7); blocks in 16 bits and wide ones, masking.
+//! - `golden/v1/quilt-24.glint`, version 1.5: `mip-lobes`, 16 clusters, at α = 0.05, 64 × 32 texels quilted from 24 × 32 of waves by
+//!   patches of 16.
 
 use glintbake_format::model::{
-    Filter, Footprint, HalfVector, Interpolation, Kernel, LobeLattice, Method,
+    Filter, Footprint, HalfVector, Interpolation, Kernel, LobeLattice, Method, MipLayout,
+    QuiltLayout,
 };
 use glintbake_format::records::ClusterNode;
 use glintbake_format::records::{IndexKind, InverseKind, LeafKind, NODES, Structure};
@@ -26,6 +29,7 @@ const V1: &[u8] = include_bytes!("../golden/v1/noise-32.glint");
 const V1_2: &[u8] = include_bytes!("../golden/v1/lean-24.glint");
 const V1_3: &[u8] = include_bytes!("../golden/v1/tree-260.glint");
 const V1_4: &[u8] = include_bytes!("../golden/v1/lobes-60.glint");
+const V1_5: &[u8] = include_bytes!("../golden/v1/quilt-24.glint");
 const V1_1: &[u8] = include_bytes!("../golden/v1/scratches-96.glint");
 
 #[test]
@@ -235,6 +239,47 @@ fn version_1_4_answers_as_it_did() {
         answers.extend(answers_under_shapes(&ndf, &format!("{method} {number}")));
     }
     insta::assert_json_snapshot!(answers);
+}
+
+#[test]
+fn version_1_5_is_sound_and_says_what_it_is() {
+    let container = Container::open(V1_5).expect("a released version opens forever");
+    check::full(&container, &mut |finding| panic!("{finding}"));
+    assert_eq!(container.header().minor.get(), 5);
+    let instances: Vec<_> = container.instances().map(Result::unwrap).collect();
+    let layout = MipLayout {
+        size: [64, 32],
+        per_side: 2,
+        first_level: 2,
+        blocks: 1,
+        quilt: QuiltLayout::new([64, 32], [24, 32], 4, 2, 3),
+    };
+    assert!(layout.quilt.is_some());
+    assert_eq!(
+        instances
+            .iter()
+            .map(|instance| (instance.method, instance.roughness, instance.structure))
+            .collect::<Vec<_>>(),
+        [(Method::MipLobes, Some(0.05), Structure::MipLobes(layout))]
+    );
+    let kinds: Vec<_> = container
+        .entries()
+        .iter()
+        .map(|entry| entry.kind.to_string())
+        .collect();
+    assert_eq!(
+        kinds,
+        [
+            "INST", "META", "MASK", "MLIX", "MLOB", "NRML", "QCUT", "QORG"
+        ]
+    );
+}
+
+#[test]
+fn version_1_5_answers_as_it_did() {
+    let package = Package::open(V1_5).unwrap();
+    let ndf = package.ndf(1).unwrap();
+    insta::assert_json_snapshot!(answers_under_shapes(&ndf, "mip-lobes 1"));
 }
 
 /// Densities under footprints from less than a texel to tiles.

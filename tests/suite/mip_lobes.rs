@@ -3,7 +3,7 @@
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::oracle::lobes::Prepared;
 use glintbake_bake::{BakeError, MethodRecipe, QuiltRecipe, Recipe, bake};
-use glintbake_cli::stress::rebuild;
+use glintbake_cli::rebuild;
 use glintbake_format::model::{Filter, Footprint, HalfVector, LobeLattice, Method, Wrap};
 use glintbake_runtime::{Instructions, MipLobes, Ndf, Package, QueryError, SurfaceNdf};
 use glintbake_samples::Kind;
