@@ -69,6 +69,9 @@ fn allowed(row: &Row) -> f64 {
         }
         // What lobes leave out, round and merge.
         _ if row.contestant.method == "lobes" => 1e-3,
+        // What their moments blur of needles: nearly all of a peak, and as much again beside it.
+        _ if row.contestant.method == "mip-lobes" && row.contestant.variant != "unclustered" => 2.0,
+        _ if row.contestant.method == "mip-lobes" => 1e-3,
         // Error functions as the paper has them.
         _ if (&*row.contestant.method, &*row.contestant.variant) == ("analytic", "paper") => 0.1,
         _ if row.contestant.method == "analytic" => 1e-4,
@@ -109,6 +112,10 @@ fn every_method_answers_its_own_model_and_loses_no_more_energy_than_it() {
                 let dark = match row.cell.roughness {
                     Some(alpha) if row.contestant.method == "cluster-tree" => {
                         LIT.max(1e-8 / (std::f64::consts::PI * alpha * alpha))
+                    }
+                    // Clusters are as wide as what they stand for, and light what lies between.
+                    Some(alpha) if row.contestant.method == "mip-lobes" => {
+                        1.0 / (std::f64::consts::PI * alpha * alpha)
                     }
                     _ => LIT,
                 };
