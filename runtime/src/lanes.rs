@@ -91,3 +91,18 @@ pub(crate) fn least(lanes: &Lanes) -> f32 {
     let [a, b, c, d] = quarters;
     min(min(a, b), min(c, d))
 }
+
+/// The sum of all lanes, in pairs.
+#[inline(always)]
+pub(crate) fn sum(lanes: &Lanes) -> f32 {
+    let mut eighths = [0.0; 8];
+    for lane in 0..8 {
+        eighths[lane] = lanes[lane] + lanes[lane + 8];
+    }
+    let mut quarters = [0.0; 4];
+    for lane in 0..4 {
+        quarters[lane] = eighths[lane] + eighths[lane + 4];
+    }
+    let [a, b, c, d] = quarters;
+    (a + c) + (b + d)
+}

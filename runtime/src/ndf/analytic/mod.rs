@@ -236,22 +236,11 @@ impl Sink for Visit<'_> {
             t: self.half_vector.t + self.sigma * t,
         };
         (self.visit)(Facet {
-            normal: direction(normal),
+            normal: normal.direction(),
             density: self.peak * amount / share,
             weight: share,
         });
     }
-}
-
-/// The unit vector over a point of the disk; over the rim, if the point is beyond it.
-fn direction(point: HalfVector) -> [f64; 3] {
-    let HalfVector { s, t } = point;
-    let squared = s * s + t * t;
-    if squared > 1.0 {
-        let length = libm::sqrt(squared);
-        return [s / length, t / length, 0.0];
-    }
-    point.direction()
 }
 
 impl Ndf for Analytic<'_> {

@@ -1,7 +1,7 @@
 //! Sums over the lobes that a footprint and a half vector reach.
 
 use super::frame::Frame;
-use super::placed::{POSITION_VARIANCE, Placed};
+use super::placed::{POSITION_VARIANCE, Placed, span};
 use super::term::{BlockFrame, Term, plane};
 use crate::error::QueryError;
 use crate::lanes::{LANES, Lanes};
@@ -188,13 +188,6 @@ impl Copies {
         let (first, last) = (middle(low).min(middle(high)), middle(low).max(middle(high)));
         span(first - REACH / a, last + REACH / a, size[0])
     }
-}
-
-/// The tiles of `side` that the interval meets.
-fn span(low: f64, high: f64, side: f64) -> Range<i64> {
-    let first = libm::floor(low / side) as i64;
-    let last = libm::floor(high / side) as i64;
-    first..last.saturating_add(1)
 }
 
 /// A block that has been found.

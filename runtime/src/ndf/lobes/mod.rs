@@ -273,22 +273,12 @@ impl Sink for Visit<'_> {
         // Lobes of damaged packages may be no numbers, and then are none.
         if density > 0.0 && density < f64::INFINITY && weight > 0.0 {
             (self.visit)(Facet {
-                normal: direction(term.mean),
+                normal: term.normal().direction(),
                 density,
                 weight,
             });
         }
     }
-}
-
-/// The unit vector over a point of the disk; over the rim, if the point is beyond it.
-fn direction([s, t]: [f64; 2]) -> [f64; 3] {
-    let squared = s * s + t * t;
-    if squared > 1.0 {
-        let length = libm::sqrt(squared);
-        return [s / length, t / length, 0.0];
-    }
-    HalfVector { s, t }.direction()
 }
 
 impl Ndf for Lobes<'_> {
@@ -357,16 +347,7 @@ impl Ndf for Lobes<'_> {
         }
         let variance = self.sigma() * self.sigma();
         let term = Term::new(&frame, offset, &lobe, [variance, 0.0, variance]);
-        // Box and Muller 1958.
-        let squared = -2.0 * libm::log1p(-third);
-        let (sine, cosine) = libm::sincos(TAU * fourth);
-        let radius = libm::sqrt(squared);
-        let [a, b, c] = term.root();
-        let (x, y) = (radius * cosine, radius * sine);
-        let drawn = HalfVector {
-            s: term.mean[0] + a * x,
-            t: term.mean[1] + b * x + c * y,
-        };
+        let (drawn, squared) = term.draw([third, fourth]);
         let is_reached = 0.5 * (term.position_squared + squared) <= SAMPLED;
         Ok((drawn.is_on_disk() && is_reached).then_some(drawn))
     }

@@ -3,6 +3,7 @@
 use crate::error::QueryError;
 use crate::overlap::{EVEN_TILES, Placement};
 use core::f64::consts::PI;
+use core::ops::Range;
 use glintbake_format::model::{Footprint, LobeLattice, Wrap};
 
 /// σh² in squared spacings.
@@ -145,4 +146,11 @@ pub(in crate::ndf) fn lattice_sum(
         }
     }
     sum
+}
+
+/// The tiles of `side` that the interval meets.
+pub(in crate::ndf) fn span(low: f64, high: f64, side: f64) -> Range<i64> {
+    let first = libm::floor(low / side) as i64;
+    let last = libm::floor(high / side) as i64;
+    first..last.saturating_add(1)
 }

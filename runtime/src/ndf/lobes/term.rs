@@ -5,7 +5,9 @@
 )]
 
 use super::frame::Frame;
-use crate::lanes::{LANES, Lanes, exponential, inverse_root, least};
+use crate::lanes::{LANES, Lanes, exponential, inverse_root, least, sum};
+use core::f64::consts::TAU;
+use glintbake_format::model::HalfVector;
 use glintbake_format::view::LobeNormal;
 
 /// The Gaussian of normals of one lobe: a mean, and a covariance R + F Fᵀ.
@@ -40,6 +42,12 @@ impl Term {
         }
     }
 
+    /// The mean normal.
+    pub const fn normal(&self) -> HalfVector {
+        let [s, t] = self.mean;
+        HalfVector { s, t }
+    }
+
     /// det(R + F Fᵀ), a sum of positive parts: det R + Σ fᵀ adj(R) f + (f1 × f2)².
     #[inline(always)]
     fn determinant(&self) -> f64 {
@@ -70,7 +78,7 @@ impl Term {
     }
 
     /// A lower triangular root of the covariance, `[a, b, c]`: the point `mean + (a x, b x + c y)` of unit Gaussians x, y.
-    pub fn root(&self) -> [f64; 3] {
+    fn root(&self) -> [f64; 3] {
         let [ss, st, _] = self.residual;
         let [f, g] = self.fan;
         let variance = ss + f[0] * f[0] + g[0] * g[0];
@@ -81,6 +89,23 @@ impl Term {
             covariance / a,
             libm::sqrt(self.determinant().max(0.0)) / a,
         ]
+    }
+}
+
+impl Term {
+    /// A normal drawn by two numbers in [0, 1), and its squared distance from the mean in deviations.
+    pub fn draw(&self, [first, second]: [f64; 2]) -> (HalfVector, f64) {
+        // Box and Muller 1958.
+        let squared = -2.0 * libm::log1p(-first);
+        let (sine, cosine) = libm::sincos(TAU * second);
+        let radius = libm::sqrt(squared);
+        let [a, b, c] = self.root();
+        let (x, y) = (radius * cosine, radius * sine);
+        let drawn = HalfVector {
+            s: self.mean[0] + a * x,
+            t: self.mean[1] + b * x + c * y,
+        };
+        (drawn, squared)
     }
 }
 
@@ -183,21 +208,6 @@ impl BlockFrame {
         }
         sum(&values)
     }
-}
-
-/// The sum of all lanes, in pairs.
-#[inline(always)]
-fn sum(lanes: &Lanes) -> f32 {
-    let mut eighths = [0.0; 8];
-    for lane in 0..8 {
-        eighths[lane] = lanes[lane] + lanes[lane + 8];
-    }
-    let mut quarters = [0.0; 4];
-    for lane in 0..4 {
-        quarters[lane] = eighths[lane] + eighths[lane + 4];
-    }
-    let [a, b, c, d] = quarters;
-    (a + c) + (b + d)
 }
 
 /// The half vector less normals on a plane, which is `normal` off it at the middle of the block.

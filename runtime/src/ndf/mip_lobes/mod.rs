@@ -333,11 +333,6 @@ impl<F: FnMut(f64, &Term)> Visitor for Each<F> {
     }
 }
 
-/// The unit vector over a point of the disk; over the rim, if the point is beyond it.
-fn direction([s, t]: [f64; 2]) -> [f64; 3] {
-    HalfVector { s, t }.direction()
-}
-
 impl Ndf for MipLobes<'_> {
     fn instance(&self) -> &Instance {
         &self.instance
@@ -378,7 +373,7 @@ impl Ndf for MipLobes<'_> {
                     let density = factor / TAU * libm::exp(-exponent);
                     if density > 0.0 && density < f64::INFINITY {
                         visit(Facet {
-                            normal: direction(term.mean),
+                            normal: term.normal().direction(),
                             density,
                             weight: share * weight,
                         });
@@ -421,15 +416,7 @@ impl Ndf for MipLobes<'_> {
         let Some(term) = drawn else {
             return Ok(None);
         };
-        // Box and Muller 1958.
-        let radius = libm::sqrt(-2.0 * libm::log1p(-third));
-        let (sine, cosine) = libm::sincos(TAU * fourth);
-        let [a, b, c] = term.root();
-        let (x, y) = (radius * cosine, radius * sine);
-        let half_vector = HalfVector {
-            s: term.mean[0] + a * x,
-            t: term.mean[1] + b * x + c * y,
-        };
+        let (half_vector, _) = term.draw([third, fourth]);
         Ok(half_vector.is_on_disk().then_some(half_vector))
     }
 

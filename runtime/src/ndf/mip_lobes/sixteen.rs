@@ -5,7 +5,7 @@
     reason = "arrays of 16 by numbers below 16, which compilers see and checked indexing would hide from them"
 )]
 
-use crate::lanes::{LANES, Lanes, exponential, inverse_root};
+use crate::lanes::{LANES, Lanes, exponential, inverse_root, sum};
 use crate::ndf::lobes::term::Term;
 use glintbake_format::records::MipBlock;
 
@@ -355,19 +355,4 @@ impl Positions {
         };
         (weight, term)
     }
-}
-
-/// The sum of all lanes, in pairs.
-#[inline(always)]
-fn sum(lanes: &Lanes) -> f32 {
-    let mut eighths = [0.0; 8];
-    for lane in 0..8 {
-        eighths[lane] = lanes[lane] + lanes[lane + 8];
-    }
-    let mut quarters = [0.0; 4];
-    for lane in 0..4 {
-        quarters[lane] = eighths[lane] + eighths[lane + 4];
-    }
-    let [a, b, c, d] = quarters;
-    (a + c) + (b + d)
 }

@@ -3,7 +3,7 @@
 use super::batch::Batch;
 use super::sixteen::{Asked, Positions, Source};
 use crate::error::QueryError;
-use crate::ndf::lobes::placed::{Placed, covariance, cross};
+use crate::ndf::lobes::placed::{Placed, covariance, cross, span};
 use core::ops::Range;
 use glintbake_format::model::LobeLattice;
 use glintbake_format::view::MipLobes;
@@ -268,13 +268,6 @@ fn copies(centre: f64, reach: f64, side: f64, is_even: bool) -> Range<i64> {
     } else {
         span(centre - reach, centre + reach, side)
     }
-}
-
-/// The tiles of `side` that the interval meets.
-fn span(low: f64, high: f64, side: f64) -> Range<i64> {
-    let first = libm::floor(low / side) as i64;
-    let last = libm::floor(high / side) as i64;
-    first..last.saturating_add(1)
 }
 
 /// The cells of `side`, of `count`, that the interval about `centre` meets.
