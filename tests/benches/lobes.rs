@@ -5,17 +5,18 @@
 //! Both run in turn, with the same vectors; a time is the least of several rounds. The error is that of a few queries of up to
 //! σ = 4 against the oracle's plain sum in f64, and of all queries against the baseline, which leaves out 3e-4.
 
-use core::f64::consts::{SQRT_2, TAU};
+use core::f64::consts::SQRT_2;
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::oracle::lobes::Prepared;
 use glintbake_bake::{MethodRecipe, Recipe, bake};
 use glintbake_cli::measure::baselines::plain_lobes::PlainLobes;
 use glintbake_cli::measure::plan::Shape;
 use glintbake_cli::measure::stream::Stream;
-use glintbake_format::model::{Filter, Footprint, HalfVector, LobeLattice, Method, Wrap};
+use glintbake_format::model::{Filter, LobeLattice, Method, Wrap};
 use glintbake_runtime::{Lobes, Ndf, Package, SurfaceNdf};
 use glintbake_samples::Kind;
 use glintbake_tests::fixtures::sample_map;
+use glintbake_tests::queries::{Query, lit_query};
 use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
@@ -27,8 +28,6 @@ const VISITED: f64 = 2e7;
 /// Queries that the oracle checks, and up to which size.
 const CHECKED: usize = 20;
 const MOST_CHECKED: f64 = 4.0;
-
-type Query = (Footprint, HalfVector);
 
 struct Options {
     size: u32,
@@ -120,7 +119,7 @@ fn cell(
     let count = ((VISITED / visited) as usize).clamp(8, 1000);
     let mut stream = Stream::new(11);
     let queries: Vec<Query> = (0..count)
-        .map(|_| query(map, shape, roughness, &mut stream))
+        .map(|_| lit_query(map, shape, roughness, &mut stream))
         .collect();
     let by_lobes = |(footprint, h): &Query| ndf.eval(footprint, *h).expect("in range");
     let by_sum = |(footprint, h): &Query| plain.eval(footprint, *h, roughness);
@@ -162,32 +161,6 @@ fn cell(
         "{name}, {roughness}, {sigma}: {own:.2} / {sum:.2} = {:.2}; {beside:.1e}, {checked}",
         sum / own
     );
-}
-
-/// A footprint, and the normal of a texel under it, moved by the kernel.
-fn query(map: &NormalMap, shape: Shape, roughness: f64, stream: &mut Stream) -> Query {
-    let footprint = shape.footprint(map, stream);
-    loop {
-        let [x, y] = gaussians(stream).map(|x| 0.5 * x);
-        let index = |axis: usize, size: u32| {
-            let place =
-                footprint.centre[axis] + x * footprint.edge_1[axis] + y * footprint.edge_2[axis];
-            ((place - place.floor()) * f64::from(size)) as usize % size as usize
-        };
-        let texel = index(1, map.height()) * map.width() as usize + index(0, map.width());
-        let [s, t] = map.texels()[texel].map(f64::from);
-        let [x, y] = gaussians(stream).map(|x| roughness * x);
-        let h = HalfVector { s: s + x, t: t + y };
-        if h.is_on_disk() {
-            return (footprint, h);
-        }
-    }
-}
-
-fn gaussians(stream: &mut Stream) -> [f64; 2] {
-    let [u, v]: [f64; 2] = stream.uniforms();
-    let (radius, angle) = ((-2.0 * (1.0 - u).ln()).sqrt(), TAU * v);
-    [radius * angle.cos(), radius * angle.sin()]
 }
 
 fn options() -> Result<Options, Box<dyn Error>> {

@@ -7,7 +7,7 @@
 //! sum in f64 over the expanded surface, of lobes four a texel, and in brackets that of the paper's levels. `--long` makes
 //! footprints so many times as long as wide. `--plot` draws the times of the last map and clusters.
 
-use core::f64::consts::{SQRT_2, TAU};
+use core::f64::consts::SQRT_2;
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::oracle::lobes::Prepared;
 use glintbake_bake::{MethodRecipe, QuiltRecipe, Recipe, bake};
@@ -15,10 +15,11 @@ use glintbake_cli::measure::baselines::plain_lobes::PlainLobes;
 use glintbake_cli::measure::plan::Shape;
 use glintbake_cli::measure::stream::Stream;
 use glintbake_cli::rebuild;
-use glintbake_format::model::{Filter, Footprint, HalfVector, LobeLattice, Method, Wrap};
+use glintbake_format::model::{Filter, LobeLattice, Method, Wrap};
 use glintbake_runtime::{MipLobes, Ndf, Package, SurfaceNdf};
 use glintbake_samples::Kind;
 use glintbake_tests::fixtures::sample_map;
+use glintbake_tests::queries::{Query, lit_query};
 use std::error::Error;
 use std::hint::black_box;
 use std::time::Instant;
@@ -37,8 +38,6 @@ const LATTICE: LobeLattice = LobeLattice {
     curved: true,
     per_side: 2,
 };
-
-type Query = (Footprint, HalfVector);
 
 struct Options {
     target: u32,
@@ -141,7 +140,7 @@ fn cell(
     let count = ((VISITED / visited) as usize).clamp(8, 1000);
     let mut stream = Stream::new(11);
     let queries: Vec<Query> = (0..count)
-        .map(|_| query(map, shape, options.roughness, &mut stream))
+        .map(|_| lit_query(map, shape, options.roughness, &mut stream))
         .collect();
     let by_levels = |(footprint, h): &Query| ndf.eval(footprint, *h).expect("in range");
     let by_sum = |(footprint, h): &Query| plain.eval(footprint, *h, options.roughness);
@@ -186,32 +185,6 @@ fn cell(
         other / own
     );
     least
-}
-
-/// A footprint, and the normal of a texel under it, moved by the kernel.
-fn query(map: &NormalMap, shape: Shape, roughness: f64, stream: &mut Stream) -> Query {
-    let footprint = shape.footprint(map, stream);
-    loop {
-        let [x, y] = gaussians(stream).map(|x| 0.5 * x);
-        let index = |axis: usize, size: u32| {
-            let place =
-                footprint.centre[axis] + x * footprint.edge_1[axis] + y * footprint.edge_2[axis];
-            ((place - place.floor()) * f64::from(size)) as usize % size as usize
-        };
-        let texel = index(1, map.height()) * map.width() as usize + index(0, map.width());
-        let [s, t] = map.texels()[texel].map(f64::from);
-        let [x, y] = gaussians(stream).map(|x| roughness * x);
-        let h = HalfVector { s: s + x, t: t + y };
-        if h.is_on_disk() {
-            return (footprint, h);
-        }
-    }
-}
-
-fn gaussians(stream: &mut Stream) -> [f64; 2] {
-    let [u, v]: [f64; 2] = stream.uniforms();
-    let (radius, angle) = ((-2.0 * (1.0 - u).ln()).sqrt(), TAU * v);
-    [radius * angle.cos(), radius * angle.sin()]
 }
 
 /// Times by edge, both axes by their logarithms, as an SVG document.

@@ -4,6 +4,7 @@ pub mod exercise;
 pub mod fixtures;
 pub mod lies;
 pub mod naive_lists;
+pub mod queries;
 pub mod seeds;
 pub mod small_surfaces;
 pub mod tolerances;
