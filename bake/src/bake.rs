@@ -60,6 +60,7 @@ pub fn bake_with_progress(
         instances: Vec::new(),
         left_out: Vec::new(),
         chosen: Vec::new(),
+        quilted: Vec::new(),
         progress,
         instance_count: recipe.instance_count(),
     };

@@ -30,5 +30,5 @@ pub use package::PackagePlan;
 pub use progress::{Progress, Stage};
 pub use recipe::{
     Chosen, DEFAULT_CLUSTERS, DEFAULT_LEAF_SIZE, DEFAULT_MERGE_ERROR, DEFAULT_METHOD,
-    DEFAULT_ROUGHNESS, LeftOut, MethodRecipe, QuiltRecipe, Recipe, Source, default_filter,
+    DEFAULT_ROUGHNESS, LeftOut, MethodRecipe, QuiltRecipe, Quilted, Recipe, Source, default_filter,
 };

@@ -16,7 +16,7 @@ pub(crate) fn text(recipe: &Recipe, source: Option<&Source>, bake: &Bake<'_>) ->
             })
         })
         .collect();
-    let value = json!({
+    let mut value = json!({
         "convention": {
             "half-vector": "s right, t up, projected unit disk",
             "ndf": "density per steradian of half vectors; each flake's own kernel integrates to 1",
@@ -29,6 +29,9 @@ pub(crate) fn text(recipe: &Recipe, source: Option<&Source>, bake: &Bake<'_>) ->
         "statistics": source.map(|source| &source.statistics),
         "tool": { "name": "glintbake", "version": env!("CARGO_PKG_VERSION") },
     });
+    if !bake.quilted.is_empty() {
+        value["quilted"] = json!(bake.quilted);
+    }
     // `Value` keeps its keys sorted, whatever the order structs declare them in.
     value.to_string()
 }

@@ -243,6 +243,24 @@ pub struct Chosen {
     pub reason: String,
 }
 
+/// How well the blocks of a quilt meet.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Quilted {
+    /// The instance.
+    pub instance: u16,
+    /// Patches of the surface.
+    pub patches: usize,
+    /// Texels from one to the next.
+    pub patch: u32,
+    /// How many of them are among the least bad, as none was within the tolerance.
+    pub forced: usize,
+    /// Most that blocks were to differ where they meet, of the mean difference of two texels of the sample.
+    pub tolerance: f64,
+    /// What texels differ along cuts, likewise.
+    pub mean_error: f64,
+}
+
 /// A section that is not in the package, and why.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]

@@ -6,7 +6,7 @@ use crate::build::quilt::{self, QuiltOptions};
 use crate::error::BakeError;
 use crate::normals::NormalMap;
 use crate::progress::Stage;
-use crate::recipe::{Chosen, DEFAULT_CLUSTERS, MethodRecipe, QuiltRecipe};
+use crate::recipe::{DEFAULT_CLUSTERS, MethodRecipe, QuiltRecipe, Quilted};
 use glintbake_format::model::{LobeLattice, MIP_LANES, Method, MipLayout, QuiltLayout, Wrap};
 use glintbake_format::records::{
     Instance, MIP_BLOCKS, MIP_INDEX, NORMALS, QUILT_CUTS, QUILT_ORIGINS, Structure, SurfaceNormal,
@@ -273,18 +273,13 @@ fn add(
                 .collect();
             bake.plan.add(instance.section(QUILT_ORIGINS), stored);
             bake.plan.add(instance.section(QUILT_CUTS), made.cuts);
-            bake.chosen.push(Chosen {
+            bake.quilted.push(Quilted {
                 instance: instance.number,
-                inverse: "quilt",
-                reason: format!(
-                    "{} patches of {} texels, {} of them the least bad, as none was within {}; mean difference where they meet \
-                     {:.3}, of that of any two texels",
-                    made.origins.len(),
-                    quilt.patch(),
-                    made.forced,
-                    asked.tolerance,
-                    made.mean_error
-                ),
+                patches: made.origins.len(),
+                patch: quilt.patch(),
+                forced: made.forced,
+                tolerance: asked.tolerance,
+                mean_error: made.mean_error,
             });
             origins = made.origins;
         }

@@ -17,7 +17,7 @@ use crate::error::BakeError;
 use crate::normals::NormalMap;
 use crate::package::PackagePlan;
 use crate::progress::{Progress, Stage};
-use crate::recipe::{Chosen, LeftOut, MethodRecipe};
+use crate::recipe::{Chosen, LeftOut, MethodRecipe, Quilted};
 use glintbake_format::model::Method;
 use glintbake_format::records::Instance;
 
@@ -75,6 +75,8 @@ pub struct Bake<'a> {
     pub left_out: Vec<LeftOut>,
     /// What was chosen, and why.
     pub chosen: Vec<Chosen>,
+    /// How well the blocks of quilts meet.
+    pub quilted: Vec<Quilted>,
     /// Who hears how far it has come.
     pub progress: &'a dyn Progress,
     /// How many instances there will be.

@@ -113,6 +113,18 @@ fn print_metadata(metadata: &Value, console: &Console) {
             chosen["reason"].as_str().unwrap_or("?")
         ));
     }
+    for quilted in metadata["quilted"].as_array().into_iter().flatten() {
+        console.result(format_args!(
+            "  quilt of instance {}: {} patches of {} texels, for {} of which no block was within {}: one of the least bad was \
+             taken; along cuts texels differ by {:.3} of what any two do",
+            quilted["instance"],
+            quilted["patches"],
+            quilted["patch"],
+            quilted["forced"],
+            quilted["tolerance"],
+            quilted["mean-error"].as_f64().unwrap_or(f64::NAN),
+        ));
+    }
     for left_out in metadata["left-out"].as_array().into_iter().flatten() {
         console.result(format_args!(
             "  left out: {} of instance {}: {}",

@@ -41,6 +41,7 @@ fn a_quilt_is_baked_expanded_and_answers_as_the_lobes_of_what_it_expands_to() {
     assert!(text.contains(line), "{text}");
     assert!(text.contains("24 patches of 16 texels"), "{text}");
     let document = workshop.document(&["inspect", "map.glint", "--json"]);
+    assert_eq!(document["metadata"]["quilted"][0]["patches"], 24);
     let quilt = &document["instances"][0]["quilt"];
     assert_eq!(
         *quilt,
