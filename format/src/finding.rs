@@ -7,7 +7,7 @@ use core::fmt;
 macro_rules! faults {
     ($($(#[doc = $doc:literal])+ $name:ident = $number:literal, $text:literal;)+) => {
         /// A kind of fault, with a stable number: 1xxx header, 2xxx section table and padding, 3xxx bins (31xx masking,
-        /// 32xx pyramids, 33xx cluster trees, 34xx box pyramids and lobes, 35xx surfaces),
+        /// 32xx pyramids, 33xx cluster trees, 34xx box pyramids and lobes, 35xx surfaces, 38xx layered materials),
         /// 4xxx instances, 5xxx contents against checksums.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[repr(u16)]
@@ -159,6 +159,17 @@ faults! {
     MipLobe = 3604, "a block of clustered lobes has a number that is none, or a lobe of no width";
     /// Weights of clustered lobes that are not the cell's.
     MipWeight = 3605, "the clustered lobes of a cell do not weigh as much as the cell";
+
+    /// No layer, or more than eight.
+    MaterialCount = 3801, "the material has no layer, or more than a material may have";
+    /// A layer's numbers contradict themselves or this version.
+    MaterialLayer = 3802, "a layer of the material has a value that this version does not allow";
+    /// A layer without its instance, or an instance without its layer.
+    MaterialInstance = 3803, "a layer of the material names an instance that is not there or not its own, or an instance is of no layer";
+    /// A cell of an opacity map that is not the average of its texels.
+    OpacityAverage = 3804, "a cell of an opacity map is not the average of the texels under it";
+    /// An opacity map that no layer has.
+    OpacityStray = 3805, "an opacity map belongs to no layer of the material";
 
     /// The instance's numbers contradict themselves or this version.
     InstanceField = 4001, "an instance record has a value that this version does not allow";

@@ -33,6 +33,7 @@ pub mod microfacet;
 pub mod ndf;
 mod overlap;
 mod package;
+mod pyramid;
 mod scan;
 mod simd;
 

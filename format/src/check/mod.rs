@@ -11,6 +11,7 @@ mod clusters;
 mod inverse_bin_map;
 mod lobes;
 mod masking;
+mod material;
 mod mip_lobes;
 mod pyramid;
 mod surface;
@@ -26,6 +27,7 @@ use crate::version::MAX_METADATA;
 pub fn structure(container: &Container<'_>, report: &mut dyn FnMut(Finding)) {
     padding(container, report);
     metadata(container, report);
+    material::check(container, report);
     for instance in container.instances() {
         match instance {
             Ok(instance) => {

@@ -7,6 +7,7 @@ mod clusters;
 mod instance;
 mod lobes;
 mod masking;
+mod material;
 mod mip_lobes;
 mod pyramid;
 mod raster;
@@ -24,6 +25,9 @@ pub use lobes::{
     LobeSpreads, WideLobeBlock, WideLobeSlopes,
 };
 pub use masking::MaskingValue;
+pub use material::{
+    LayerKind, LayerNormals, LayerRecord, MAX_LAYERS, MaterialLayer, OpacityLayout,
+};
 pub use mip_lobes::MipBlock;
 pub use pyramid::{NarrowMean, SpreadRecord, WideMean};
 pub use raster::{RASTER_SIDE, RasterBlock, RasterLattice, pack_raster, unpack_raster};
@@ -112,6 +116,11 @@ pub const MIP_INDEX: FourCc = FourCc(*b"MLIX");
 /// Clustered lobes, sixteen a block.
 pub const MIP_BLOCKS: FourCc = FourCc(*b"MLOB");
 
+/// The layers of a material, the top first.
+pub const MATERIAL: FourCc = FourCc(*b"MATL");
+/// How much of the surface a layer covers, level by level from the texels to one cell.
+pub const OPACITY: FourCc = FourCc(*b"OPAC");
+
 /// The schema version of every section of this major version so far.
 pub const SCHEMA: u32 = 1;
 
@@ -156,6 +165,8 @@ const KINDS: &[(FourCc, &[u32])] = &[
     (QUILT_CUTS, &[1]),
     (MIP_INDEX, &[4]),
     (MIP_BLOCKS, &[512]),
+    (MATERIAL, &[64]),
+    (OPACITY, &[1]),
 ];
 
 /// The element sizes a section of `kind` may have, or `None` if this version does not know the kind.

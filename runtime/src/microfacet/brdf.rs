@@ -62,6 +62,23 @@ pub fn eval_with(
     let Some(half) = half_vector(light, view) else {
         return Ok(0.0);
     };
+    let sum = masked_density(ndf, footprint, light, view, half, placement)?;
+    Ok(fresnel.reflectance(dot(light, half)) * sum / (4.0 * light[2] * view[2]))
+}
+
+/// `Σ_j W_j D^α(h, b_j) G^α(i, o, h, b_j) G_x(i, o, b_j)`: what [`eval_with`] is but for Fresnel and the cosines. `half` is the
+/// half vector of `light` and `view`, which are above the horizon.
+///
+/// # Errors
+/// As [`Ndf::facets`].
+pub(crate) fn masked_density(
+    ndf: &(impl Ndf + ?Sized),
+    footprint: &Footprint,
+    light: [f64; 3],
+    view: [f64; 3],
+    half: [f64; 3],
+    placement: MaskingPlacement,
+) -> Result<f64, QueryError> {
     let masking = FacetMasking {
         light,
         view,
@@ -70,17 +87,16 @@ pub fn eval_with(
         map: ndf.masking().g(light, view),
     };
     let half_point = HalfVector::from_direction(half);
-    let sum = match placement {
+    match placement {
         MaskingPlacement::Inside => {
             let mut sum = 0.0;
             ndf.facets(footprint, half_point, &mut |facet| {
                 sum += facet.density * facet.weight * masking.of(facet.normal);
             })?;
-            sum
+            Ok(sum)
         }
-        MaskingPlacement::Factored => ndf.eval(footprint, half_point)? * masking.of(half),
-    };
-    Ok(fresnel.reflectance(dot(light, half)) * sum / (4.0 * light[2] * view[2]))
+        MaskingPlacement::Factored => Ok(ndf.eval(footprint, half_point)? * masking.of(half)),
+    }
 }
 
 /// What is left of light that facets pass from one direction to another.
@@ -124,7 +140,12 @@ pub fn sample(
     let Some(half) = ndf.sample(footprint, uniform)? else {
         return Ok(None);
     };
-    let half = half.direction();
+    Ok(mirrored(view, half.direction()))
+}
+
+/// The direction from which a facet of normal `half` mirrors light to `view`, if that is above the horizon and the facet is
+/// seen from its front.
+pub(crate) fn mirrored(view: [f64; 3], half: [f64; 3]) -> Option<[f64; 3]> {
     let cosine = dot(view, half);
     let light = [0, 1, 2].map(|axis: usize| {
         #[expect(
@@ -134,7 +155,7 @@ pub fn sample(
         let component = 2.0 * cosine * half[axis] - view[axis];
         component
     });
-    Ok((cosine > 0.0 && light[2] > 0.0).then_some(light))
+    (cosine > 0.0 && light[2] > 0.0).then_some(light)
 }
 
 /// The density, per solid angle of `light`, with which [`sample`] draws it: `pdf(h) / (4 (i·h))`.
@@ -155,7 +176,7 @@ pub fn pdf(
 }
 
 /// The half vector of two directions above the horizon.
-fn half_vector(light: [f64; 3], view: [f64; 3]) -> Option<[f64; 3]> {
+pub(crate) fn half_vector(light: [f64; 3], view: [f64; 3]) -> Option<[f64; 3]> {
     if !(light[2] > 0.0 && view[2] > 0.0) {
         return None;
     }

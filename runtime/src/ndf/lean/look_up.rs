@@ -1,10 +1,10 @@
 //! Mean and covariance of the normals under probes.
 
-use super::probes::Probes;
 use crate::error::QueryError;
 use crate::overlap::Placement;
+use crate::pyramid::{Probes, for_each_cell};
 use glintbake_format::model::Wrap;
-use glintbake_format::view::{CellMoments, Pyramid, PyramidLevel};
+use glintbake_format::view::{CellMoments, Pyramid};
 
 /// The moments under `probes` about the centre of `placement`: each probe bilinear between four cells of a level, linear
 /// between two levels. At most 15 × 2 × 4 cells.
@@ -14,54 +14,21 @@ pub(super) fn moments(
     probes: &Probes,
     wrap: Wrap,
 ) -> Result<CellMoments, QueryError> {
-    let lower = libm::floor(probes.level);
-    let share = probes.level - lower;
+    let map_size = pyramid.layout.map_size();
     let mut blend = Blend::default();
-    // Casts saturate, and the level is within the pyramid's.
-    for (level, share) in [(lower as u32, 1.0 - share), (lower as u32 + 1, share)] {
+    for (level, share) in probes.levels() {
         if share > 0.0 {
             let level = pyramid.level(level);
-            let scale = scales(pyramid, &level);
-            probes.for_each(&mut |offset, weight| {
-                // The fraction first: it may be small beside the cell.
-                let column = placement.cell[0] + (placement.centre[0] + offset[0]);
-                let row = placement.cell[1] + (placement.centre[1] + offset[1]);
-                let columns = Nearby::new(column * scale[0], level.size[0], wrap);
-                let rows = Nearby::new(row * scale[1], level.size[1], wrap);
-                blend.add_bilinear(&level, columns, rows, share * weight)
-            })?;
+            let mut add = |column, row, weight: f64| {
+                blend.add(&level.cell(column, row)?, weight);
+                Ok(())
+            };
+            for_each_cell(
+                placement, probes, map_size, level.size, wrap, share, &mut add,
+            )?;
         }
     }
     Ok(blend.moments())
-}
-
-/// Cells a texel, along each axis.
-fn scales(pyramid: &Pyramid<'_>, level: &PyramidLevel<'_>) -> [f64; 2] {
-    let [width, height] = pyramid.layout.map_size().map(f64::from);
-    let [columns, rows] = level.size.map(f64::from);
-    [columns / width, rows / height]
-}
-
-/// The two cells whose middles a place lies between, on one axis, and their shares.
-#[derive(Clone, Copy, Debug)]
-struct Nearby([(u32, f64); 2]);
-
-impl Nearby {
-    /// At `place`, in cells, of `count` cells that go on as `wrap` says.
-    fn new(place: f64, count: u32, wrap: Wrap) -> Self {
-        let from_middle = place - 0.5;
-        let whole = libm::floor(from_middle);
-        let share = from_middle - whole;
-        let fold = |cell: i64| match wrap {
-            Wrap::Repeat => cell.rem_euclid(i64::from(count)) as u32,
-            Wrap::Clamp => cell.clamp(0, i64::from(count) - 1) as u32,
-        };
-        let cell = whole as i64;
-        Self([
-            (fold(cell), 1.0 - share),
-            (fold(cell.saturating_add(1)), share),
-        ])
-    }
 }
 
 /// Moments of a mixture, one part at a time (West 1979): every term added is positive, whatever the order.
@@ -74,24 +41,6 @@ struct Blend {
 }
 
 impl Blend {
-    fn add_bilinear(
-        &mut self,
-        level: &PyramidLevel<'_>,
-        columns: Nearby,
-        rows: Nearby,
-        weight: f64,
-    ) -> Result<(), QueryError> {
-        for (row, row_share) in rows.0 {
-            for (column, column_share) in columns.0 {
-                let share = weight * row_share * column_share;
-                if share > 0.0 {
-                    self.add(&level.cell(column, row)?, share);
-                }
-            }
-        }
-        Ok(())
-    }
-
     /// The law of total covariance: within the part, and between its mean and that of the others.
     fn add(&mut self, part: &CellMoments, weight: f64) {
         let before = self.weight;

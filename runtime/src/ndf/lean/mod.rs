@@ -14,7 +14,6 @@
 
 mod lobe;
 mod look_up;
-mod probes;
 
 pub use lobe::Lobe;
 
@@ -23,11 +22,11 @@ use super::{Facet, Ndf};
 use crate::error::QueryError;
 use crate::microfacet::Masking;
 use crate::overlap::Placement;
+use crate::pyramid::Probes;
 use glintbake_format::model::{Filter, Footprint, HalfVector, intrinsic_from_beckmann};
 use glintbake_format::records::Instance;
 use glintbake_format::view::Pyramid;
 use glintbake_format::{Container, Fault, Finding};
-use probes::Probes;
 
 /// The P-NDF of a `lean` instance.
 #[derive(Clone, Copy, Debug)]

@@ -25,7 +25,7 @@ const SHORTEST: f64 = 1e-100;
 
 /// Probes along a line through the footprint's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Probes {
+pub(crate) struct Probes {
     /// Level of every probe, between the finest stored and the top.
     pub level: f64,
     /// Unit vector of the long axis.
@@ -70,6 +70,14 @@ impl Probes {
                 }
             },
         }
+    }
+
+    /// The two levels that [`level`](Self::level) lies between, and their shares.
+    pub fn levels(&self) -> [(u32, f64); 2] {
+        let lower = libm::floor(self.level);
+        let share = self.level - lower;
+        // Casts saturate, and the level is within the pyramid's.
+        [(lower as u32, 1.0 - share), (lower as u32 + 1, share)]
     }
 
     /// Calls `visit(offset, weight)` for each probe: where it is relative to the centre, in texels, and its share. Shares
