@@ -29,6 +29,7 @@
 mod error;
 mod fetch;
 mod lanes;
+pub mod layers;
 pub mod microfacet;
 pub mod ndf;
 mod overlap;
@@ -41,6 +42,7 @@ pub use error::QueryError;
 pub use glintbake_format::model;
 pub use glintbake_format::records::Instance;
 pub use glintbake_format::{Fault, Finding};
+pub use layers::{Composition, Layer, Material};
 pub use ndf::{
     Accuracy, Analytic, BatchError, Bounded, ClusterTree, Facet, FlakeBins, GlobalNdf, Lean, Lobe,
     Lobes, MipLobes, Ndf, Queries, Setting, SpecularBins, SurfaceNdf, TriangleForm,
