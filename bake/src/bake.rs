@@ -56,6 +56,7 @@ pub fn bake_with_progress(
     check(recipe)?;
     let inputs: Vec<_> = source.iter().map(|source| &source.input).collect();
     let mut bake = Bake {
+        layer: 0,
         plan: PackagePlan::new(recipe.hash(&inputs)),
         instances: Vec::new(),
         left_out: Vec::new(),
@@ -79,6 +80,7 @@ pub fn bake_with_progress(
     Ok(plan)
 }
 
-fn baker(method: glintbake_format::model::Method) -> &'static dyn methods::BakeMethod {
+/// The baker of `method`.
+pub(crate) fn baker(method: glintbake_format::model::Method) -> &'static dyn methods::BakeMethod {
     methods::find(method).expect("every method of the format is in the registry")
 }

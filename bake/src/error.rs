@@ -1,6 +1,7 @@
 //! Why a bake failed.
 
 use crate::image::ImageError;
+use crate::material::MaterialError;
 use crate::normals::NormalsError;
 use crate::package::PublishError;
 
@@ -31,6 +32,9 @@ pub enum BakeError {
         /// Rows.
         height: u32,
     },
+    /// A material file gives no material.
+    #[error(transparent)]
+    Material(Box<MaterialError>),
     /// The package cannot be written.
     #[error(transparent)]
     Publish(#[from] PublishError),

@@ -16,6 +16,7 @@ mod bake;
 pub mod build;
 mod error;
 pub mod image;
+pub mod material;
 mod metadata;
 mod methods;
 pub mod normals;

@@ -334,18 +334,23 @@ impl Recipe {
     ///
     /// Two bakes with the same key give the same bytes. Names of inputs are in it, as metadata records them.
     pub fn hash(&self, inputs: &[&InputFile]) -> [u8; 32] {
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(&canonical_bytes(&(
-            ALGORITHM_VERSION,
-            env!("CARGO_PKG_VERSION"),
-            self,
-        )));
-        for input in inputs {
-            hasher.update(&canonical_bytes(&(&input.name, input.bytes)));
-            hasher.update(&input.blake3);
-        }
-        *hasher.finalize().as_bytes()
+        hash_of(self, inputs)
     }
+}
+
+/// BLAKE3 of the canonical bytes of `recipe`, of the names and hashes of `inputs` and of the algorithm's version.
+pub(crate) fn hash_of(recipe: &impl Serialize, inputs: &[&InputFile]) -> [u8; 32] {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(&canonical_bytes(&(
+        ALGORITHM_VERSION,
+        env!("CARGO_PKG_VERSION"),
+        recipe,
+    )));
+    for input in inputs {
+        hasher.update(&canonical_bytes(&(&input.name, input.bytes)));
+        hasher.update(&input.blake3);
+    }
+    *hasher.finalize().as_bytes()
 }
 
 /// The canonical bytes of `value`; the only use of bincode, and never read back.

@@ -13,6 +13,7 @@ pub mod masking;
 pub mod mip_lobes;
 mod morton;
 mod numbers;
+pub mod opacity;
 pub mod pyramid;
 pub mod quilt;
 pub mod raster;

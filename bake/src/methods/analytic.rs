@@ -38,7 +38,7 @@ impl BakeMethod for Analytic {
         let interpolation = recipe.interpolation.unwrap_or(DEFAULT_INTERPOLATION);
         for (place, &alpha) in roughness.iter().enumerate() {
             let instance = Instance {
-                layer: 0,
+                layer: bake.layer,
                 number: bake.next_number(),
                 method: Method::Analytic,
                 wrap: map.wrap(),

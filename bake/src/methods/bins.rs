@@ -40,7 +40,7 @@ pub(super) fn add_instance(
         key_count: bin_map.key_count,
     };
     let instance = Instance {
-        layer: 0,
+        layer: bake.layer,
         number: bake.next_number(),
         method: recipe.method,
         wrap: map.wrap(),

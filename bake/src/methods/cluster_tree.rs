@@ -69,7 +69,7 @@ impl BakeMethod for ClusterTree {
         let roughness = roughness::or_default(recipe);
         for (place, &alpha) in roughness.iter().enumerate() {
             let instance = Instance {
-                layer: 0,
+                layer: bake.layer,
                 number: bake.next_number(),
                 method: Method::ClusterTree,
                 wrap: map.wrap(),

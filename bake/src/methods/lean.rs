@@ -80,7 +80,7 @@ impl BakeMethod for Lean {
             .any(|&alpha| alpha < NARROW_ROUGHNESS);
         for (place, &alpha) in recipe.roughness.iter().enumerate() {
             let instance = Instance {
-                layer: 0,
+                layer: bake.layer,
                 number: bake.next_number(),
                 method: Method::Lean,
                 wrap: map.wrap(),

@@ -53,7 +53,7 @@ impl BakeMethod for Lobes {
         });
         for (place, &alpha) in roughness.iter().enumerate() {
             let instance = Instance {
-                layer: 0,
+                layer: bake.layer,
                 number: bake.next_number(),
                 method: Method::Lobes,
                 wrap: map.wrap(),

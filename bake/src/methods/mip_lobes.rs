@@ -81,7 +81,7 @@ impl BakeMethod for MipLobes {
         let roughness = roughness::or_default(recipe);
         for (place, &alpha) in roughness.iter().enumerate() {
             let instance = Instance {
-                layer: 0,
+                layer: bake.layer,
                 number: bake.next_number(),
                 method: Method::MipLobes,
                 wrap: Wrap::Repeat,

@@ -67,6 +67,8 @@ pub fn find(method: Method) -> Option<&'static dyn BakeMethod> {
 
 /// A package in the making.
 pub struct Bake<'a> {
+    /// The layer of the material that is being baked, 0 of packages without one.
+    pub layer: u16,
     /// The sections so far.
     pub plan: PackagePlan,
     /// The instances so far.

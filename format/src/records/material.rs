@@ -11,18 +11,6 @@ use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 /// The most layers a material may have; a runtime keeps them without an allocator.
 pub const MAX_LAYERS: usize = 8;
 
-/// How often a layer's map repeats in the unit square of the material.
-const SCALE: RangeInclusive<f32> = 1e-3..=1e3;
-
-/// Roughnesses of analytic lobes: their density's peak, 1 / (π α²), is a number worth having throughout.
-const LOBE_ROUGHNESS: RangeInclusive<f32> = 1e-4..=1.0;
-
-/// Indices of refraction of coats: from none to more than diamond's.
-const IOR: RangeInclusive<f32> = 1.0..=4.0;
-
-/// What part of light a layer may send back, or let pass.
-const SHARE: RangeInclusive<f32> = 0.0..=1.0;
-
 /// What a layer does with light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
@@ -136,6 +124,18 @@ pub struct MaterialLayer {
 }
 
 impl MaterialLayer {
+    /// How often a layer's maps may repeat in the unit square of the material.
+    pub const SCALE: RangeInclusive<f32> = 1e-3..=1e3;
+
+    /// Roughnesses of lobes: the peak of their density, 1 / (π α²), is a number worth having throughout.
+    pub const ROUGHNESS: RangeInclusive<f32> = 1e-4..=1.0;
+
+    /// Indices of refraction of coats: from none to more than diamond's.
+    pub const IOR: RangeInclusive<f32> = 1.0..=4.0;
+
+    /// What part of light a layer may send back, or let pass, and of the surface it may cover.
+    pub const SHARE: RangeInclusive<f32> = 0.0..=1.0;
+
     /// The record that stores this layer.
     pub fn to_record(self) -> LayerRecord {
         let (instance, roughness) = match self.normals {
@@ -199,20 +199,20 @@ impl MaterialLayer {
 
     /// Whether every number is in its range, and of the kind. What is not a number is in none.
     pub fn is_sound(&self) -> bool {
-        let share = |value: &f32| SHARE.contains(value) && value.is_sign_positive();
+        let share = |value: &f32| Self::SHARE.contains(value) && value.is_sign_positive();
         let is_none = |rgb: [f32; 3]| rgb.map(f32::to_bits) == [0; 3];
         let normals = match self.normals {
             LayerNormals::Instance(number) => number > 0 && self.kind != LayerKind::Base,
-            LayerNormals::Lobe(roughness) => LOBE_ROUGHNESS.contains(&roughness),
+            LayerNormals::Lobe(roughness) => Self::ROUGHNESS.contains(&roughness),
         };
         let kind = match self.kind {
-            LayerKind::Coat => IOR.contains(&self.ior) && is_none(self.f0),
+            LayerKind::Coat => Self::IOR.contains(&self.ior) && is_none(self.f0),
             LayerKind::Glints => self.ior.to_bits() == 0 && is_none(self.colour),
             LayerKind::Base => self.ior.to_bits() == 0,
         };
         normals
             && kind
-            && self.scale.iter().all(|scale| SCALE.contains(scale))
+            && self.scale.iter().all(|scale| Self::SCALE.contains(scale))
             && self.f0.iter().chain(&self.colour).all(share)
             && share(&self.opacity)
     }
