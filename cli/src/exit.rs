@@ -2,6 +2,7 @@
 
 use glintbake_bake::BakeError;
 use glintbake_bake::image::ImageError;
+use glintbake_bake::material::MaterialError;
 use glintbake_bake::normals::NormalsError;
 use glintbake_bake::package::PublishError;
 use glintbake_format::Finding;
@@ -17,7 +18,7 @@ pub enum Failure {
     Usage = 2,
     /// 3: an input file cannot be read, or is not of a readable kind.
     Input = 3,
-    /// 4: an input was read, but its texels or rows are not what they must be.
+    /// 4: an input was read, but its texels, rows or keys are not what they must be.
     Content = 4,
     /// 5: a package is damaged, of another version, or no package.
     Package = 5,
@@ -57,7 +58,7 @@ Exit codes:
    1  verify or stress found faults, or report something worse than --fail-on allows
    2  an option or its value is wrong
    3  an input file cannot be read, or is not of a readable kind
-   4  an input was read, but its texels or rows are not what they must be
+   4  an input was read, but its texels, rows or keys are not what they must be
    5  a package is damaged, of another version, or no package
    6  the package was baked without what the command asks for
    7  an output cannot be written; an older file of its name is untouched
@@ -100,6 +101,7 @@ impl From<BakeError> for CommandError {
             BakeError::Image(error) => error.into(),
             BakeError::Normals(error) => error.into(),
             BakeError::Publish(error) => error.into(),
+            BakeError::Material(error) => (*error).into(),
             BakeError::Option { .. } => Self::new(Failure::Usage, error.to_string()),
             BakeError::MapTooLarge { .. } => Self::new(Failure::Content, error.to_string()),
         }
@@ -122,6 +124,19 @@ impl From<NormalsError> for CommandError {
         let failure = match error {
             NormalsError::Option { .. } => Failure::Usage,
             _ => Failure::Content,
+        };
+        Self::new(failure, error.to_string())
+    }
+}
+
+impl From<MaterialError> for CommandError {
+    fn from(error: MaterialError) -> Self {
+        let failure = match error {
+            MaterialError::Open { .. } => Failure::Input,
+            MaterialError::Syntax { .. }
+            | MaterialError::Key { .. }
+            | MaterialError::Count { .. }
+            | MaterialError::Opacity { .. } => Failure::Content,
         };
         Self::new(failure, error.to_string())
     }

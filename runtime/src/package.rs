@@ -35,13 +35,24 @@ impl<'a> Package<'a> {
     ///
     /// Roughness is compared within one part in 10⁹, so that α and √2 σr of the same surface agree.
     pub fn find(&self, method: Option<Method>, roughness: Option<f64>) -> Option<Instance> {
+        self.find_in_layer(None, method, roughness)
+    }
+
+    /// The same, among the instances of `layer` of a material (any, if `None`).
+    pub fn find_in_layer(
+        &self,
+        layer: Option<u16>,
+        method: Option<Method>,
+        roughness: Option<f64>,
+    ) -> Option<Instance> {
         self.instances().find(|instance| {
+            let same_layer = layer.is_none_or(|layer| layer == instance.layer);
             let same_roughness = match (roughness, instance.roughness) {
                 (None, _) => true,
                 (Some(wanted), Some(baked)) => (wanted - baked).abs() <= 1e-9 * baked,
                 (Some(_), None) => false,
             };
-            method.is_none_or(|method| method == instance.method) && same_roughness
+            method.is_none_or(|method| method == instance.method) && same_layer && same_roughness
         })
     }
 

@@ -29,7 +29,8 @@ fn roughness_help() -> String {
 #[derive(Debug, Args)]
 #[command(mut_arg("roughness", |argument| argument.help(roughness_help())))]
 pub struct BakeArgs {
-    /// Normal map or height map: PNG, TGA, TIFF, JPEG, WebP or EXR
+    /// Normal map or height map: PNG, TGA, TIFF, JPEG, WebP or EXR; or a layered material: a TOML file, whose name ends in
+    /// .toml and which says of each of its maps how it is baked
     pub image: PathBuf,
 
     /// Package to write; replaced as a whole or not at all
@@ -238,6 +239,42 @@ fn usage(message: String) -> CommandError {
 }
 
 impl BakeArgs {
+    /// Whether the input is a material file, by its name.
+    pub fn is_material(&self) -> bool {
+        let extension = self.image.extension();
+        extension.is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+    }
+
+    /// An option that says how a map is read or baked, if one is given: a material file says that itself.
+    pub fn first_of_maps(&self) -> Option<&'static str> {
+        let given = [
+            ("--method", !self.method.is_empty()),
+            ("--roughness", !self.roughness.roughness.is_empty()),
+            (
+                "--intrinsic-roughness",
+                !self.roughness.intrinsic_roughness.is_empty(),
+            ),
+            ("--bins", self.bins.is_some()),
+            ("--filter", self.filter.is_some()),
+            ("--index", self.index.0.is_some()),
+            ("--leaf-size", self.leaf_size.is_some()),
+            ("--finest-level", self.finest_level.is_some()),
+            ("--kernel", self.kernel.is_some()),
+            ("--lobes", self.lobes.is_some()),
+            ("--merge-error", self.merge_error.is_some()),
+            ("--interpolate", self.interpolate.is_some()),
+            ("--clusters", self.clusters.is_some()),
+            // What a quilt has besides is refused without it.
+            ("--target", self.target.is_some()),
+            ("--exact-normals", self.exact_normals),
+            ("--raster-normals", self.raster_normals),
+            ("--no-masking", self.no_masking),
+        ];
+        let decoding = self.decode.first_given();
+        let baking = given.iter().find(|(_, is_given)| *is_given);
+        baking.map(|(option, _)| *option).or(decoding)
+    }
+
     /// The recipe these arguments ask for.
     ///
     /// Roughness goes to the methods that have one, bins to those that count them, boxes to those that answer for them, so

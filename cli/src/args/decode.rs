@@ -55,6 +55,28 @@ pub struct DecodeArgs {
 }
 
 impl DecodeArgs {
+    /// An option that is not as it is by default, if there is one.
+    pub fn first_given(&self) -> Option<&'static str> {
+        let (given, defaults) = (self.recipe().decode, DecodeOptions::default());
+        let options = [
+            ("--input", given.input != defaults.input),
+            (
+                "--height-scale",
+                given.height_scale != defaults.height_scale,
+            ),
+            ("--channels", given.channels != defaults.channels),
+            ("--y", given.green != defaults.green),
+            ("--range", given.range != defaults.range),
+            ("--zero", given.zero != defaults.zero),
+            ("--wrap", given.wrap != defaults.wrap),
+            ("--repair", given.repair != defaults.repair),
+            ("--exr-layer", self.exr_layer.is_some()),
+            ("--exr-channels", self.exr_channels.is_some()),
+        ];
+        let first = options.iter().find(|(_, is_given)| *is_given);
+        first.map(|(option, _)| *option)
+    }
+
     /// A recipe without methods that reads images as these arguments say.
     pub fn recipe(&self) -> Recipe {
         Recipe {

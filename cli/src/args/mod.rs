@@ -2,6 +2,7 @@
 
 mod bake;
 mod decode;
+mod layer;
 mod reference;
 mod report;
 mod roughness;
@@ -53,7 +54,7 @@ pub struct Cli {
 pub enum Command {
     /// Make a sample normal map as a PNG
     Sample(SampleArgs),
-    /// Bake a normal map into a package
+    /// Bake a normal map, or a layered material of several, into a package
     Bake(Box<BakeArgs>),
     /// Write the explicit normal map that a package stands for as a PNG
     Expand(ExpandArgs),
@@ -271,7 +272,7 @@ pub struct PictureArgs {
 pub enum Picture {
     /// The P-NDF of one footprint over the projected disk, +t up
     Ndf(PictureNdfArgs),
-    /// A ball covered with the map under small lights
+    /// A ball covered with the map, or the layered material, under small lights
     Ball(PictureBallArgs),
 }
 

@@ -1,5 +1,6 @@
 //! Which instance of a package answers, and under which setting.
 
+use super::layer;
 use crate::exit::{CommandError, Failure};
 use clap::Args;
 use glintbake_bake::default_filter;
@@ -13,6 +14,10 @@ use glintbake_runtime::{Accuracy, Ndf, Package, Setting, SurfaceNdf};
 /// What to evaluate; all of it can be left out.
 #[derive(Debug, Args, Clone, Default)]
 pub struct SettingArgs {
+    /// Layer of a material to answer with, 0 for the top one; the only one that has a map if left out
+    #[arg(long, value_name = "N")]
+    pub layer: Option<u16>,
+
     /// Method to answer with, cluster-tree, flake-bins, specular-bins, lean, lobes, analytic or mip-lobes; the package's first if left
     /// out
     #[arg(long, value_parser = method)]
@@ -152,6 +157,24 @@ pub struct QuerySettings<'a> {
 }
 
 impl SettingArgs {
+    /// An option that says how P-NDFs are evaluated, if one is given: not `--paper`, which layered materials have as well.
+    pub fn first_given(&self) -> Option<&'static str> {
+        let given = [
+            ("--method", self.method.is_some()),
+            ("--roughness", self.roughness.is_some()),
+            ("--intrinsic-roughness", self.intrinsic_roughness.is_some()),
+            ("--filter", self.filter.is_some()),
+            ("--tolerance", self.tolerance.is_some()),
+            ("--kernel", self.kernel.is_some()),
+            ("--eps", self.eps.is_some()),
+            ("--exact", self.exact),
+        ];
+        given
+            .iter()
+            .find(|(_, is_given)| *is_given)
+            .map(|(option, _)| *option)
+    }
+
     /// The instance of `package` these arguments choose.
     ///
     /// # Errors
@@ -161,15 +184,17 @@ impl SettingArgs {
         let roughness = self
             .roughness
             .or(self.intrinsic_roughness.map(beckmann_from_intrinsic));
+        let layer = layer::choose(package, self.layer)?;
         // A method of every roughness serves one that was not baked, too.
         let of_any_roughness = || {
             package.instances().find(|instance| {
                 let is_asked = self.method.is_none_or(|method| method == instance.method);
-                is_asked && SurfaceNdf::roughness_range(instance.method).is_some()
+                let is_layer = layer.is_none_or(|layer| layer == instance.layer);
+                is_asked && is_layer && SurfaceNdf::roughness_range(instance.method).is_some()
             })
         };
         let instance = package
-            .find(self.method, roughness)
+            .find_in_layer(layer, self.method, roughness)
             .or_else(of_any_roughness)
             .ok_or_else(|| self.not_baked(package))?;
         self.check(instance.method, roughness, package)?;
@@ -235,8 +260,11 @@ impl SettingArgs {
                 format!("interpolation={}", interpolation.name())
             }
         };
+        let layer = layer
+            .map(|layer| format!("layer={layer} "))
+            .unwrap_or_default();
         let description = format!(
-            "method={} kernel={} filter={}{tolerance_said}{roughness} {structure} setting={}",
+            "{layer}method={} kernel={} filter={}{tolerance_said}{roughness} {structure} setting={}",
             instance.method.name(),
             kernel.name(),
             filter.name(),

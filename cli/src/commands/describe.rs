@@ -2,7 +2,10 @@
 
 use crate::exit::{CommandError, Failure};
 use glintbake_format::model::{MIP_LANES, MipLayout, PyramidLayout};
-use glintbake_format::records::{InverseKind, METADATA, Structure};
+use glintbake_format::records::{
+    InverseKind, LayerKind, LayerNormals, METADATA, MaterialLayer, Structure,
+};
+use glintbake_format::view::MaterialLayers;
 use glintbake_format::{Fault, Finding, SectionId};
 use glintbake_runtime::{Instance, Package};
 use serde_json::{Value, json};
@@ -77,6 +80,86 @@ pub(super) fn instance(instance: &Instance) -> String {
         instance.height,
         instance.wrap.name(),
     )
+}
+
+/// One line about each layer of the material in `package`; none if it holds no material.
+///
+/// # Errors
+/// [`Failure::Package`] if the layers are damaged.
+pub(super) fn layers(package: &Package<'_>) -> Result<Vec<String>, CommandError> {
+    let layers = material(package)?;
+    let lines = (0..).zip(&layers).map(|(place, layer)| {
+        let mut words = vec![format!("layer {place}: {}", layer.kind.name())];
+        words.push(match layer.normals {
+            LayerNormals::Instance(number) => {
+                let [u, v] = layer.scale;
+                format!("instance {number} repeated {u} x {v} times")
+            }
+            LayerNormals::Lobe(roughness) => format!("roughness {roughness}"),
+        });
+        words.push(match layer.kind {
+            LayerKind::Coat => format!("ior {}, colour {}", layer.ior, rgb(layer.colour)),
+            LayerKind::Glints => format!("f0 {}", rgb(layer.f0)),
+            LayerKind::Base => format!("f0 {}, diffuse {}", rgb(layer.f0), rgb(layer.colour)),
+        });
+        words.push(match layer.opacity_map {
+            None => format!("opacity {}", layer.opacity),
+            Some(map) => {
+                let [width, height] = map.levels.map_size();
+                format!("opacity {} of a map of {width} x {height}", layer.opacity)
+            }
+        });
+        words.join(", ")
+    });
+    Ok(lines.collect())
+}
+
+/// The layers as JSON documents.
+///
+/// # Errors
+/// As [`layers`].
+pub(super) fn layer_documents(package: &Package<'_>) -> Result<Vec<Value>, CommandError> {
+    let layers = material(package)?;
+    let documents = (0..).zip(layers).map(|(place, layer)| {
+        let (instance, roughness) = match layer.normals {
+            LayerNormals::Instance(number) => (Some(number), None),
+            LayerNormals::Lobe(roughness) => (None, Some(exact(roughness))),
+        };
+        json!({
+            "colour": layer.colour.map(exact),
+            "f0": layer.f0.map(exact),
+            "instance": instance,
+            "ior": exact(layer.ior),
+            "kind": layer.kind.name(),
+            "layer": place,
+            "opacity": exact(layer.opacity),
+            "opacity-size": layer.opacity_map.map(|map| map.levels.map_size()),
+            "opacity-wrap": layer.opacity_map.map(|map| map.wrap.name()),
+            "roughness": roughness,
+            "scale": layer.scale.map(exact),
+        })
+    });
+    Ok(documents.collect())
+}
+
+fn material(package: &Package<'_>) -> Result<Vec<MaterialLayer>, CommandError> {
+    match MaterialLayers::open(package.container())? {
+        None => Ok(Vec::new()),
+        Some(layers) => Ok(layers.iter().collect::<Result<_, _>>()?),
+    }
+}
+
+/// The shortest decimal number that is stored as `number`.
+fn exact(number: f32) -> f64 {
+    number.to_string().parse().unwrap_or(f64::from(number))
+}
+
+fn rgb([red, green, blue]: [f32; 3]) -> String {
+    if red == green && green == blue {
+        red.to_string()
+    } else {
+        format!("({red}, {green}, {blue})")
+    }
 }
 
 /// Levels and clusters of MIP lobes, and the quilt of their surface.

@@ -5,6 +5,7 @@ use super::open;
 use crate::args::InspectArgs;
 use crate::exit::CommandError;
 use crate::output::{Console, human_bytes};
+use glintbake_format::records::OPACITY;
 use glintbake_runtime::Package;
 use serde_json::{Value, json};
 
@@ -17,15 +18,24 @@ pub fn run(arguments: &InspectArgs, console: &Console) -> Result<(), CommandErro
     let bytes = open::checked(&arguments.open)?;
     let package = open::package(path, &bytes)?;
     let metadata = describe::metadata(&package).map_err(|error| error.in_file(path.display()))?;
+    let in_file = |error: CommandError| error.in_file(path.display());
     if console.json() {
-        console.document(&document(&package, metadata));
+        let layers = describe::layer_documents(&package).map_err(in_file)?;
+        console.document(&document(&package, metadata, layers));
     } else {
-        print(&package, &metadata, console, &path.display().to_string());
+        let layers = describe::layers(&package).map_err(in_file)?;
+        print(
+            &package,
+            &metadata,
+            &layers,
+            console,
+            &path.display().to_string(),
+        );
     }
     Ok(())
 }
 
-fn document(package: &Package<'_>, metadata: Value) -> Value {
+fn document(package: &Package<'_>, metadata: Value, layers: Vec<Value>) -> Value {
     let container = package.container();
     let header = container.header();
     let sections: Vec<_> = container
@@ -53,6 +63,7 @@ fn document(package: &Package<'_>, metadata: Value) -> Value {
         "bytes-per-texel": bytes_per_texel(package, total),
         "content-hash": hex(&header.content_hash),
         "instances": package.instances().map(|instance| describe::instance_document(&instance)).collect::<Vec<_>>(),
+        "layers": layers,
         "metadata": metadata,
         "recipe-hash": hex(&header.recipe_hash),
         "sections": sections,
@@ -60,7 +71,13 @@ fn document(package: &Package<'_>, metadata: Value) -> Value {
     })
 }
 
-fn print(package: &Package<'_>, metadata: &Value, console: &Console, path: &str) {
+fn print(
+    package: &Package<'_>,
+    metadata: &Value,
+    layers: &[String],
+    console: &Console,
+    path: &str,
+) {
     let container = package.container();
     let header = container.header();
     let total = container.bytes().len() as u64;
@@ -74,9 +91,13 @@ fn print(package: &Package<'_>, metadata: &Value, console: &Console, path: &str)
     for instance in package.instances() {
         console.result(format_args!("  {}", describe::instance(&instance)));
     }
+    for layer in layers {
+        console.result(format_args!("  {layer}"));
+    }
     console.result("  section  instance    elements  size         bytes a texel");
     for entry in container.entries() {
         let instance = match entry.instance.get() {
+            0 if entry.kind == OPACITY => format!("layer {}", entry.layer.get()),
             0 => "all".to_owned(),
             number => number.to_string(),
         };
@@ -104,6 +125,11 @@ fn print_metadata(metadata: &Value, console: &Console) {
     }
     for line in describe::normals(metadata) {
         console.result(format_args!("  {line}"));
+    }
+    for (place, layer) in (0..).zip(metadata["material"].as_array().into_iter().flatten()) {
+        for line in describe::normals(layer) {
+            console.result(format_args!("  layer {place}: {line}"));
+        }
     }
     for chosen in metadata["chosen"].as_array().into_iter().flatten() {
         console.result(format_args!(

@@ -1,6 +1,7 @@
 //! The verbs, one file each.
 
 pub mod bake;
+mod bake_material;
 mod describe;
 pub mod expand;
 pub mod inspect;

@@ -4,7 +4,7 @@ use crate::args::{OpenArgs, QuerySettings, SettingArgs};
 use crate::exit::{CommandError, Failure};
 use glintbake_bake::package::{self, PackageBytes};
 use glintbake_format::check;
-use glintbake_runtime::Package;
+use glintbake_runtime::{Material, Package, QueryError};
 use std::path::Path;
 
 /// The bytes of the file at `path`.
@@ -37,6 +37,19 @@ pub(super) fn checked(arguments: &OpenArgs) -> Result<PackageBytes, CommandError
         }
     }
     Ok(bytes)
+}
+
+/// The layered material in `bytes`, the content of the file `arguments` name; `None` if it holds none.
+pub(super) fn material<'a>(
+    arguments: &OpenArgs,
+    bytes: &'a [u8],
+) -> Result<Option<Material<'a>>, CommandError> {
+    let path = &arguments.package;
+    match Material::open(package(path, bytes)?.container()) {
+        Ok(material) => Ok(Some(material)),
+        Err(QueryError::NotBaked { .. }) => Ok(None),
+        Err(error) => Err(CommandError::from(error).in_file(path.display())),
+    }
 }
 
 /// What `settings` choose of the package in `bytes`, the content of the file `arguments` name.

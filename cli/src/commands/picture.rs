@@ -1,12 +1,12 @@
 //! `picture`: what a package looks like.
 
 use super::{lattice, open, paths, reference};
-use crate::args::{Picture, PictureArgs, PictureBallArgs, PictureNdfArgs};
+use crate::args::{Picture, PictureArgs, PictureBallArgs, PictureNdfArgs, SettingArgs};
 use crate::exit::{CommandError, Failure};
 use crate::output::Console;
 use crate::picture::{ball, binning, ndf, png};
 use glintbake_format::model::Footprint;
-use glintbake_runtime::Ndf;
+use glintbake_runtime::{Composition, Material, Ndf};
 use serde_json::json;
 
 /// The largest side of a picture in pixels.
@@ -99,32 +99,77 @@ fn run_ball(arguments: &PictureBallArgs, console: &Console) -> Result<(), Comman
         positive("--tiles", tiles)?;
     }
     let bytes = open::checked(&arguments.open)?;
-    let chosen = open::choose(&arguments.open, &arguments.settings, &bytes)?;
-    let progress = console.progress("drawing");
     let options = ball::Options {
         side: arguments.pixels,
         tiles: arguments.tiles,
     };
-    let picture = ball::draw(&chosen.ndf, &options)?;
+    let settings = &arguments.settings;
+    // One layer is drawn as the package of its map would be.
+    let material = match settings.layer {
+        None => open::material(&arguments.open, &bytes)?,
+        Some(_) => None,
+    };
+    let (picture, description) = match material {
+        Some(material) => {
+            let progress = console.progress("drawing");
+            let (material, description) = composed(material, settings)?;
+            let picture = ball::draw(&ball::Layered(material), &options)?;
+            progress.finish_and_clear();
+            (picture, description)
+        }
+        None => {
+            let chosen = open::choose(&arguments.open, settings, &bytes)?;
+            let progress = console.progress("drawing");
+            let picture = ball::draw(&ball::Metal(chosen.ndf), &options)?;
+            progress.finish_and_clear();
+            lattice::warn_of_query(console, &arguments.open, &chosen, &bytes);
+            (picture, chosen.description)
+        }
+    };
     png::write_rgb8(
         &arguments.output,
         picture.side,
         picture.side,
         &picture.pixels,
     )?;
-    progress.finish_and_clear();
-    lattice::warn_of_query(console, &arguments.open, &chosen, &bytes);
     let output = arguments.output.display();
     console.line(format_args!(
-        "{output}: {}, {:.3} tiles around the ball",
-        chosen.description, picture.tiles
+        "{output}: {description}, {:.3} tiles around the ball",
+        picture.tiles
     ));
     console.document(&json!({
         "output": output.to_string(),
-        "setting": chosen.description,
+        "setting": description,
         "tiles": picture.tiles,
     }));
     Ok(())
+}
+
+/// `material` as `settings` have it, and the words for it.
+fn composed<'a>(
+    material: Material<'a>,
+    settings: &SettingArgs,
+) -> Result<(Material<'a>, String), CommandError> {
+    if let Some(option) = settings.first_given() {
+        return Err(CommandError::new(
+            Failure::Usage,
+            format!(
+                "{option}: a layered material says itself how its layers are evaluated; leave the option out, or draw one layer \
+                 with --layer"
+            ),
+        ));
+    }
+    let (composition, setting) = if settings.paper {
+        (Composition::HalfVector, "paper")
+    } else {
+        (Composition::BothWays, "default")
+    };
+    let kinds: Vec<_> = material
+        .layers()
+        .map(|layer| layer.record().kind.name())
+        .collect();
+    let description = format!("layers={} setting={setting}", kinds.join(","));
+    Ok((material.with_composition(composition), description))
 }
 
 fn usage(option: &str, wanted: &str) -> CommandError {

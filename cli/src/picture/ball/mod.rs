@@ -1,29 +1,36 @@
 //! A ball covered with a baked surface, in a dark studio under small lamps: what glints are for.
 //!
 //! ```text
-//! pixel ─surface─► footprint, frame ─shading─► light (from studio, by material) ─film─► bytes
+//! pixel ─surface─► footprint, frame ─shading─► light (from studio, by skin) ─film─► bytes
 //! ```
 //!
 //! - *Surface*: a unit ball seen without perspective, the map laid on it by a conformal projection; each pixel asks
 //!   one footprint, the image of its square.
-//! - *Material*: aluminium with the map's facets under a blue clear coat, so that every map shows as car paint would:
-//!   flakes glint, scratches and brush marks draw streaks. Facets are masked by facets as V-cavities.
+//! - *Skin*: a layered material as it is, or else, of a plain package, aluminium with the map's facets under a blue clear coat, so
+//!   that every map shows as car paint would: flakes glint, scratches and brush marks draw streaks. Facets are masked by facets
+//!   as the package says, or as V-cavities.
 //! - *Studio*: soft boxes, a dim room, and nine small lamps, six times as wide as the sun.
 //! - *Film*: a little bloom, and a tone curve on which the brightest glints turn white.
 //!
 //! What is left out: light that scatters more than once, refraction's turning of light in the coat, shadows.
 
 mod film;
-mod material;
+mod layered;
+mod metal;
 mod sequence;
 mod shading;
+mod skin;
 mod studio;
 mod surface;
 mod vector;
 
+pub use layered::Layered;
+pub use metal::Metal;
+pub use skin::{Scattering, Skin};
+
 use super::first_error;
 use film::Light;
-use glintbake_runtime::{Ndf, QueryError, SurfaceNdf};
+use glintbake_runtime::QueryError;
 use rayon::prelude::*;
 use shading::Shading;
 use studio::Studio;
@@ -55,10 +62,9 @@ impl Default for Options {
 
 impl Options {
     /// How often a map of `width` texels repeats around the ball.
-    fn tiles_of(&self, width: u32) -> f64 {
-        self.tiles.unwrap_or_else(|| {
-            surface::circumference(self.side) / (TEXEL_IN_PIXELS * f64::from(width))
-        })
+    fn tiles_of(&self, width: f64) -> f64 {
+        self.tiles
+            .unwrap_or_else(|| surface::circumference(self.side) / (TEXEL_IN_PIXELS * width))
     }
 }
 
@@ -73,30 +79,30 @@ pub struct Ball {
     pub tiles: f64,
 }
 
-/// The ball covered with `ndf`'s surface.
+/// The ball covered with `skin`.
 ///
-/// Each pixel of the ball asks for 18 evaluations and 32 samples, and for as many evaluations more as samples find
-/// lamps; a picture of 512 pixels takes some seconds. The same package gives the same bytes on any number of threads.
+/// Each pixel of the ball asks for 18 evaluations and, of a plain package, 32 samples, and for as many evaluations more as
+/// samples find lamps; a picture of 512 pixels takes some seconds. Of a layered material there are 64 samples, each evaluated,
+/// and pictures take some ten times as long. The same package gives the same bytes on any number of threads.
 ///
 /// # Errors
-/// As [`Ndf::facets`]; [`QueryError::FootprintTooLarge`] if `tiles` is so large that a pixel covers more than a query
+/// What queries fail with; [`QueryError::FootprintTooLarge`] if `tiles` is so large that a pixel covers more than a query
 /// may.
-pub fn draw(ndf: &SurfaceNdf<'_>, options: &Options) -> Result<Ball, QueryError> {
-    let tiles = options.tiles_of(ndf.instance().width);
+pub fn draw(skin: &impl Skin, options: &Options) -> Result<Ball, QueryError> {
+    let tiles = options.tiles_of(skin.texels()[0]);
     Ok(Ball {
-        pixels: film::develop(options.side as usize, &expose(ndf, options.side, tiles)?),
+        pixels: film::develop(options.side as usize, &expose(skin, options.side, tiles)?),
         side: options.side,
         tiles,
     })
 }
 
 /// Linear light over a picture of `side` pixels, row-major from the top; 12 bytes a pixel.
-fn expose(ndf: &(impl Ndf + Sync), side: u32, tiles: f64) -> Result<Vec<Light>, QueryError> {
-    let instance = ndf.instance();
-    let view = View::new(side, tiles, [instance.width, instance.height]);
+fn expose(skin: &impl Skin, side: u32, tiles: f64) -> Result<Vec<Light>, QueryError> {
+    let view = View::new(side, tiles, skin.texels());
     let studio = Studio::new();
     let shading = Shading {
-        ndf,
+        skin,
         studio: &studio,
         view,
     };
@@ -144,13 +150,13 @@ mod tests {
             side: SIDE,
             tiles: Some(2.0),
         };
-        draw(&fixtures::ndf(bytes), &options).expect("footprints of balls are in range")
+        draw(&Metal(fixtures::ndf(bytes)), &options).expect("footprints of balls are in range")
     }
 
     #[test]
     fn a_texel_is_a_third_of_a_pixel_unless_asked_otherwise() {
         // Around the ball lie 64 texels a tile; its diameter is 0.86 of the picture's side.
-        let texels = Options::default().tiles_of(64) * 64.0;
+        let texels = Options::default().tiles_of(64.0) * 64.0;
         let pixels = std::f64::consts::PI * 0.86 * 512.0;
         assert!((texels / pixels - 3.0).abs() < 1e-9);
         let drawn = ball(&fixtures::constant([0.0, 0.0], 0.05));
@@ -175,11 +181,12 @@ mod tests {
     #[test]
     fn every_pixel_is_finite_and_lit_and_the_corners_are_backdrop() {
         let bytes = fixtures::constant([0.0, 0.0], 0.05);
-        let light = expose(&fixtures::ndf(&bytes), SIDE, 2.0).expect("footprints are in range");
+        let light =
+            expose(&Metal(fixtures::ndf(&bytes)), SIDE, 2.0).expect("footprints are in range");
         for pixel in &light {
             assert!(pixel.iter().all(|x| x.is_finite() && *x > 0.0), "{pixel:?}");
         }
-        let view = View::new(SIDE, 2.0, [8, 8]);
+        let view = View::new(SIDE, 2.0, [8.0, 8.0]);
         let corner = backdrop(view.place(0.5, 0.5)).map(|x| x as f32);
         assert_eq!(light[0], corner);
     }
@@ -200,7 +207,8 @@ mod tests {
     /// The centre of the light of a ball whose facets all have the normal (s, t), in pixels from the left and top.
     fn highlight(normal: [f32; 2]) -> [f64; 2] {
         let bytes = fixtures::constant(normal, 0.1);
-        let light = expose(&fixtures::ndf(&bytes), SIDE, 2.0).expect("footprints are in range");
+        let light =
+            expose(&Metal(fixtures::ndf(&bytes)), SIDE, 2.0).expect("footprints are in range");
         let mut sum = [0.0; 3];
         for (index, pixel) in (0..SIDE * SIDE).zip(&light) {
             let weight = f64::from(pixel[2]);

@@ -5,34 +5,32 @@
 //! Soft light is met from the surface alone. The map is filtered by the footprint, not by the directions; these only
 //! turn the ball's own frame within the pixel.
 
-use super::material::{
-    Scattering, VIEWER, coat_reflectance, coat_transmission, scattering, single_facet,
-};
 use super::sequence::Sequence;
+use super::skin::{Scattering, Skin};
 use super::studio::{Lamp, Studio};
 use super::surface::{Point, View};
 use super::vector::{Vector, add, dot, scale, tint};
 use glintbake_format::model::Footprint;
-use glintbake_runtime::microfacet::brdf;
-use glintbake_runtime::{Ndf, QueryError};
+use glintbake_runtime::QueryError;
+use glintbake_runtime::microfacet::fresnel::Fresnel;
+
+/// Towards the viewer.
+const VIEWER: Vector = [0.0, 0.0, 1.0];
 
 /// Points on each lamp; a power of two.
 const LAMP_POINTS: u32 = 2;
 
-/// Directions drawn from the surface; a power of two.
-const SURFACE_POINTS: u32 = 32;
-
 /// Positions along each side of a pixel at which the clear coat is looked at.
 const COAT_POSITIONS: u32 = 3;
 
-/// The ball's material under the studio's light.
-pub(super) struct Shading<'a, N> {
-    pub(super) ndf: &'a N,
+/// The ball's skin under the studio's light.
+pub(super) struct Shading<'a, S> {
+    pub(super) skin: &'a S,
     pub(super) studio: &'a Studio,
     pub(super) view: View,
 }
 
-impl<N: Ndf> Shading<'_, N> {
+impl<S: Skin> Shading<'_, S> {
     /// Linear radiance of pixel (`x`, `y`), whose centre must lie on the ball or within a pixel of its rim.
     pub(super) fn pixel(&self, x: u32, y: u32) -> Result<Vector, QueryError> {
         self.radiance([f64::from(x), f64::from(y)], Sequence::of_pixel(x, y))
@@ -44,7 +42,8 @@ impl<N: Ndf> Shading<'_, N> {
             .view
             .point(self.view.place(corner[0] + 0.5, corner[1] + 0.5));
         let footprint = self.view.footprint(centre);
-        let mut sum = self.coat(corner);
+        let mirrored = self.skin.mirror().map(|coat| self.coat(corner, coat));
+        let mut sum = mirrored.unwrap_or_default();
         let mut pairs = 0;
         for lamp in self.studio.lamps() {
             for index in 0..LAMP_POINTS {
@@ -55,9 +54,10 @@ impl<N: Ndf> Shading<'_, N> {
             }
             pairs += 2;
         }
-        for index in 0..SURFACE_POINTS {
+        let samples = self.skin.samples();
+        for index in 0..samples {
             let [jitter, patch, facet] =
-                [0, 1, 2].map(|pair| sequence.point(pairs + pair, index, SURFACE_POINTS));
+                [0, 1, 2].map(|pair| sequence.point(pairs + pair, index, samples));
             let uniform = [patch[0], patch[1], facet[0], facet[1]];
             let point = self.within(corner, jitter);
             sum = add(sum, self.surface_light(&footprint, point, uniform)?);
@@ -82,14 +82,7 @@ impl<N: Ndf> Shading<'_, N> {
     ) -> Result<Vector, QueryError> {
         let light = lamp.sample(uniform);
         let scattering = self.scattering(footprint, point, light)?;
-        if scattering.value <= 0.0 {
-            return Ok([0.0; 3]);
-        }
-        let weight = scattering.value / mixture(lamp.density(), scattering.density);
-        Ok(scale(
-            tint(lamp.radiance(), coat_transmission(point, light)),
-            weight,
-        ))
+        Ok(self.from_lamp(lamp, scattering))
     }
 
     fn surface_light(
@@ -99,20 +92,29 @@ impl<N: Ndf> Shading<'_, N> {
         uniform: [f64; 4],
     ) -> Result<Vector, QueryError> {
         let view = point.to_tangent_space(VIEWER);
-        let Some(light) = brdf::sample(self.ndf, footprint, view, uniform)? else {
+        let Some(local) = self.skin.sample(footprint, view, uniform)? else {
             return Ok([0.0; 3]);
         };
-        let weight = single_facet(self.ndf, light, view) / f64::from(SURFACE_POINTS);
-        let light = point.to_view_space(light);
-        let mut sum = scale(self.studio.soft(light), weight);
+        let worth = self.skin.worth(footprint, local, view)?;
+        let light = point.to_view_space(local);
+        let share = 1.0 / f64::from(self.skin.samples());
+        let mut sum = scale(tint(self.studio.soft(light), worth), share);
         for lamp in self.studio.lamps() {
             if lamp.shines_from(light) {
-                let scattering = self.scattering(footprint, point, light)?;
-                let weight = scattering.value / mixture(lamp.density(), scattering.density);
-                sum = add(sum, scale(lamp.radiance(), weight));
+                let scattering = self.skin.scattering(footprint, local, view)?;
+                sum = add(sum, self.from_lamp(lamp, scattering));
             }
         }
-        Ok(tint(sum, coat_transmission(point, light)))
+        Ok(sum)
+    }
+
+    /// What a point of `lamp` sends to the viewer, weighed for how often it is met in both ways: see [`mixture`].
+    fn from_lamp(&self, lamp: &Lamp, scattering: Scattering) -> Vector {
+        if scattering.value == [0.0; 3] {
+            return [0.0; 3];
+        }
+        let met = mixture(lamp.density(), scattering.density, self.skin.samples());
+        scale(tint(lamp.radiance(), scattering.value), 1.0 / met)
     }
 
     fn scattering(
@@ -123,11 +125,11 @@ impl<N: Ndf> Shading<'_, N> {
     ) -> Result<Scattering, QueryError> {
         let view = point.to_tangent_space(VIEWER);
         let light = point.to_tangent_space(light);
-        scattering(self.ndf, footprint, light, view)
+        self.skin.scattering(footprint, light, view)
     }
 
-    /// The mirror image of the studio in the clear coat over the pixel at `corner`.
-    fn coat(&self, corner: [f64; 2]) -> Vector {
+    /// The mirror image of the studio in the smooth `coat` over the pixel at `corner`.
+    fn coat(&self, corner: [f64; 2], coat: Fresnel) -> Vector {
         let mut sum = [0.0; 3];
         let count = f64::from(COAT_POSITIONS);
         for position in 0..COAT_POSITIONS * COAT_POSITIONS {
@@ -137,7 +139,7 @@ impl<N: Ndf> Shading<'_, N> {
             let cosine = dot(normal, VIEWER);
             let mirrored = add(scale(normal, 2.0 * cosine), scale(VIEWER, -1.0));
             let light = add(self.studio.soft(mirrored), self.studio.hard(mirrored));
-            sum = add(sum, scale(light, coat_reflectance(cosine)));
+            sum = add(sum, scale(light, coat.reflectance(cosine)));
         }
         scale(sum, 1.0 / (count * count))
     }
@@ -145,12 +147,13 @@ impl<N: Ndf> Shading<'_, N> {
 
 /// The density of drawing a direction from a lamp and from the surface together, each as often as it is drawn:
 /// one over it weighs both kinds of samples (the balance heuristic, Veach 1997, §9.2).
-fn mixture(lamp: f64, surface: f64) -> f64 {
-    f64::from(LAMP_POINTS) * lamp + f64::from(SURFACE_POINTS) * surface
+fn mixture(lamp: f64, surface: f64, samples: u32) -> f64 {
+    f64::from(LAMP_POINTS) * lamp + f64::from(samples) * surface
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::metal::Metal;
     use super::super::vector::normalised;
     use super::*;
     use crate::picture::fixtures;
@@ -166,7 +169,7 @@ mod tests {
     }
 
     /// The radiance of the point in the middle of the pixel at `corner`, by a plain sum over half vectors.
-    fn reference<N: Ndf>(shading: &Shading<'_, N>, corner: [f64; 2], reach: f64) -> Vector {
+    fn reference<S: Skin>(shading: &Shading<'_, S>, corner: [f64; 2], reach: f64) -> Vector {
         const STEPS: u32 = 600;
         let point = shading.within(corner, [0.5, 0.5]);
         let view = point.to_tangent_space(VIEWER);
@@ -179,17 +182,20 @@ mod tests {
             let half = [s, t, libm::sqrt(1.0 - s * s - t * t)];
             let cosine = dot(half, view);
             let light = add(scale(half, 2.0 * cosine), scale(view, -1.0));
-            let value = scattering(shading.ndf, &footprint, light, view).expect("in range");
-            if value.value > 0.0 {
+            let scattering = shading
+                .skin
+                .scattering(&footprint, light, view)
+                .expect("in range");
+            if scattering.value != [0.0; 3] {
                 let light = point.to_view_space(light);
                 let radiance = add(shading.studio.soft(light), shading.studio.hard(light));
                 // A half vector's solid angle is ds dt / h_z, the light's 4 (i·h) times that.
-                let weight = value.value * 4.0 * cosine * step * step / half[2];
-                let passed = tint(radiance, coat_transmission(point, light));
-                sum = add(sum, scale(passed, weight));
+                let weight = 4.0 * cosine * step * step / half[2];
+                sum = add(sum, scale(tint(radiance, scattering.value), weight));
             }
         }
-        add(sum, shading.coat(corner))
+        let mirrored = shading.skin.mirror().map(|coat| shading.coat(corner, coat));
+        add(sum, mirrored.unwrap_or_default())
     }
 
     #[test]
@@ -198,11 +204,11 @@ mod tests {
         let side = 16_384;
         for roughness in [0.01, 0.04, 0.15] {
             let bytes = fixtures::constant([0.0, 0.0], roughness);
-            let ndf = fixtures::ndf(&bytes);
+            let metal = Metal(fixtures::ndf(&bytes));
             let shading = Shading {
-                ndf: &ndf,
+                skin: &metal,
                 studio: &Studio::new(),
-                view: View::new(side, 1.0, [8, 8]),
+                view: View::new(side, 1.0, [8.0, 8.0]),
             };
             let lamp = shading.studio.lamps()[3].sample([0.0, 0.0]);
             let mirror = normalised(add(lamp, VIEWER));

@@ -38,11 +38,11 @@ pub(super) struct Point {
 impl View {
     /// The view in a picture of `side` pixels, with a map of `width` × `height` texels `tiles` times around the ball
     /// along its rows, and as often along its columns as keeps texels square.
-    pub(super) fn new(side: u32, tiles: f64, [width, height]: [u32; 2]) -> Self {
+    pub(super) fn new(side: u32, tiles: f64, [width, height]: [f64; 2]) -> Self {
         let along_u = tiles / (2.0 * PI);
         Self {
             pixel: 2.0 / (RADIUS * f64::from(side)),
-            scale: [along_u, along_u * f64::from(width) / f64::from(height)],
+            scale: [along_u, along_u * width / height],
         }
     }
 
@@ -143,12 +143,12 @@ mod tests {
     ];
 
     fn view() -> View {
-        View::new(4096, 3.0, [7, 7])
+        View::new(4096, 3.0, [7.0, 7.0])
     }
 
     #[test]
     fn the_middle_of_the_picture_is_the_middle_of_ball_and_map() {
-        let view = View::new(100, 3.0, [8, 4]);
+        let view = View::new(100, 3.0, [8.0, 4.0]);
         let point = view.point(view.place(50.0, 50.0));
         assert_eq!(point.normal(), [0.0, 0.0, 1.0]);
         let footprint = view.footprint(point);
@@ -220,7 +220,7 @@ mod tests {
 
     #[test]
     fn the_rim_is_covered_half_and_its_points_stay_on_the_ball() {
-        let view = View::new(200, 1.0, [7, 7]);
+        let view = View::new(200, 1.0, [7.0, 7.0]);
         assert_eq!(view.coverage([0.2, -0.3]), 1.0);
         assert!((view.coverage([0.6, -0.8]) - 0.5).abs() < 1e-9);
         assert_eq!(view.coverage([0.9, 0.9]), 0.0);

@@ -1,15 +1,13 @@
-//! What the ball is made of: a metal with the baked map's facets, under a coloured clear coat.
+//! What plain packages are shown as: a metal with the baked map's facets, under a coloured clear coat.
 
-use super::surface::Point;
-use super::vector::{Vector, add, dot, normalised};
+use super::skin::{Scattering, Skin};
+use super::vector::{Vector, add, dot, normalised, scale};
 use glintbake_format::model::{Footprint, HalfVector};
 use glintbake_runtime::microfacet::beckmann;
+use glintbake_runtime::microfacet::brdf;
 use glintbake_runtime::microfacet::fresnel::Fresnel;
-use glintbake_runtime::{Facet, Ndf, QueryError};
+use glintbake_runtime::{Facet, Ndf, QueryError, SurfaceNdf};
 use libm::{exp, log, sqrt};
-
-/// Towards the viewer.
-pub(super) const VIEWER: Vector = [0.0, 0.0, 1.0];
 
 /// Aluminium at 550 nm.
 const METAL: Fresnel = Fresnel::Conductor {
@@ -24,24 +22,78 @@ const COAT: Fresnel = Fresnel::Dielectric { eta: COAT_ETA };
 /// What the coat lets through on the way down and up again at normal incidence, by colour: blue.
 const COAT_COLOUR: Vector = [0.10, 0.34, 0.86];
 
+/// Aluminium with the facets of a P-NDF, under a smooth blue coat.
+#[derive(Clone, Copy, Debug)]
+pub struct Metal<'a>(pub SurfaceNdf<'a>);
+
+impl Skin for Metal<'_> {
+    fn texels(&self) -> [f64; 2] {
+        let instance = self.0.instance();
+        [instance.width, instance.height].map(f64::from)
+    }
+
+    fn samples(&self) -> u32 {
+        32
+    }
+
+    fn scattering(
+        &self,
+        footprint: &Footprint,
+        light: Vector,
+        view: Vector,
+    ) -> Result<Scattering, QueryError> {
+        let facets = facets(&self.0, footprint, light, view)?;
+        if facets.value <= 0.0 {
+            return Ok(Scattering::default());
+        }
+        Ok(Scattering {
+            value: scale(coat_transmission(light[2], view[2]), facets.value),
+            density: facets.density,
+        })
+    }
+
+    fn sample(
+        &self,
+        footprint: &Footprint,
+        view: Vector,
+        uniform: [f64; 4],
+    ) -> Result<Option<Vector>, QueryError> {
+        brdf::sample(&self.0, footprint, view, uniform)
+    }
+
+    fn worth(
+        &self,
+        _footprint: &Footprint,
+        light: Vector,
+        view: Vector,
+    ) -> Result<Vector, QueryError> {
+        let passed = coat_transmission(light[2], view[2]);
+        Ok(scale(passed, single_facet(&self.0, light, view)))
+    }
+
+    fn mirror(&self) -> Option<Fresnel> {
+        Some(COAT)
+    }
+}
+
 /// The facets' BRDF times cosine, and the density with which their sampler draws the light's direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Scattering {
-    pub(super) value: f64,
-    pub(super) density: f64,
+struct Facets {
+    value: f64,
+    density: f64,
 }
 
 /// What the patch under `footprint` does with light from `light`, for unit directions in tangent space.
 ///
 /// The same as `brdf::eval` with [`METAL`], times cosine, and `brdf::pdf`, but both from one search for facets, which is
 /// where the time goes; with cavities where the package has no masking.
-pub(super) fn scattering(
+fn facets(
     ndf: &impl Ndf,
     footprint: &Footprint,
     light: Vector,
     view: Vector,
-) -> Result<Scattering, QueryError> {
-    let mut result = Scattering::default();
+) -> Result<Facets, QueryError> {
+    let mut result = Facets::default();
     if light[2] <= 0.0 || view[2] <= 0.0 {
         return Ok(result);
     }
@@ -74,7 +126,7 @@ pub(super) fn scattering(
 ///
 /// All facets together would have to be searched for. Their masking and `1/(h·b)` average to that of one at h within
 /// the order of α², too little to see in the smooth light that this is for.
-pub(super) fn single_facet(ndf: &impl Ndf, light: Vector, view: Vector) -> f64 {
+fn single_facet(ndf: &impl Ndf, light: Vector, view: Vector) -> f64 {
     let half = normalised(add(light, view));
     let masking = ndf.instance().roughness.map_or(1.0, |roughness| {
         beckmann::masking(light, half, half, roughness)
@@ -103,15 +155,10 @@ fn cavity_masking(light: Vector, view: Vector) -> f64 {
     (factor * light[2].min(view[2])).min(1.0)
 }
 
-/// The share of light that the coat mirrors at `cosine` to its normal.
-pub(super) fn coat_reflectance(cosine: f64) -> f64 {
-    COAT.reflectance(cosine)
-}
-
-/// What the coat leaves of light from `light` to the viewer, by colour: Fresnel twice, and absorption along the
-/// refracted path. That refraction also turns the light is left out: glints stay where the map puts them.
-pub(super) fn coat_transmission(point: Point, light: Vector) -> Vector {
-    let cosines = [dot(point.normal(), light), dot(point.normal(), VIEWER)];
+/// What the coat leaves of light that arrives at one cosine and leaves at the other, by colour: Fresnel twice, and absorption
+/// along the refracted path. That refraction also turns the light is left out: glints stay where the map puts them.
+fn coat_transmission(light: f64, view: f64) -> Vector {
+    let cosines = [light, view];
     let mut passed = 1.0;
     let mut path = 0.0;
     for cosine in cosines {
@@ -123,13 +170,10 @@ pub(super) fn coat_transmission(point: Point, light: Vector) -> Vector {
 
 #[cfg(test)]
 mod tests {
-    use super::super::surface::View;
-    use super::super::vector::scale;
     use super::*;
     use crate::picture::fixtures;
     use glintbake_bake::MethodRecipe;
     use glintbake_format::model::Method;
-    use glintbake_runtime::microfacet::brdf;
 
     const PATCH: Footprint = Footprint {
         centre: [0.3, 0.6],
@@ -166,7 +210,7 @@ mod tests {
             let directions = drawn(&ndf);
             assert!(directions.len() > 100);
             for (light, view) in directions {
-                let seen = scattering(&ndf, &PATCH, light, view).expect("in range");
+                let seen = facets(&ndf, &PATCH, light, view).expect("in range");
                 let cavities = if baked {
                     1.0
                 } else {
@@ -190,7 +234,7 @@ mod tests {
             let ndf = fixtures::ndf(&bytes);
             let (mut one, mut all) = (0.0, 0.0);
             for (light, view) in drawn(&ndf) {
-                let exact = scattering(&ndf, &PATCH, light, view).expect("in range");
+                let exact = facets(&ndf, &PATCH, light, view).expect("in range");
                 one += single_facet(&ndf, light, view);
                 all += exact.value / exact.density;
             }
@@ -208,8 +252,8 @@ mod tests {
         let above = normalised([0.1, 0.2, 0.9]);
         let below = normalised([0.1, 0.2, -0.1]);
         for (light, view) in [(below, above), (above, below)] {
-            let seen = scattering(&ndf, &PATCH, light, view).expect("in range");
-            assert_eq!(seen, Scattering::default());
+            let seen = facets(&ndf, &PATCH, light, view).expect("in range");
+            assert_eq!(seen, Facets::default());
         }
     }
 
@@ -225,17 +269,15 @@ mod tests {
 
     #[test]
     fn the_coat_is_blue_clearer_from_above_and_never_adds_light() {
-        let view = View::new(512, 1.0, [8, 8]);
-        let middle = coat_transmission(view.point([0.0, 0.0]), VIEWER);
+        let middle = coat_transmission(1.0, 1.0);
         // 4 % mirrored on the way in and out each, the rest coloured.
         for (seen, colour) in middle.into_iter().zip(COAT_COLOUR) {
             assert!((seen - 0.96 * 0.96 * colour).abs() < 1e-12);
         }
-        let point = view.point([0.9, 0.0]);
-        let side = coat_transmission(point, scale(point.normal(), 1.0));
+        let side = coat_transmission(1.0, 0.43);
         for (side, middle) in side.into_iter().zip(middle) {
             assert!(side > 0.0 && side < middle);
         }
-        assert!((coat_reflectance(1.0) - 0.04).abs() < 1e-12);
+        assert!((COAT.reflectance(1.0) - 0.04).abs() < 1e-12);
     }
 }
