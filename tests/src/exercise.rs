@@ -3,6 +3,7 @@
 //! Bounded in time: every query visits a bounded number of texels, footprints stay within a few tiles, and of a package
 //! of many instances the first few are asked.
 
+use crate::exercise_material;
 use crate::lies::reseal;
 use crate::tolerances::{WEIGHT, WEIGHT_SUM};
 use glintbake_format::check;
@@ -51,6 +52,7 @@ pub fn interrogate(bytes: &[u8]) {
     check::full(package.container(), &mut |_| in_all += 1);
     assert!(in_all >= in_structure, "the full check is the wider one");
     let is_sound = in_structure == 0;
+    exercise_material::interrogate(package.container(), is_sound);
     for instance in package.instances().take(MOST_INSTANCES) {
         let size = [instance.width, instance.height];
         match package.ndf(instance.number) {

@@ -1,8 +1,10 @@
 //! What the suite and the benchmarks share: maps, packages and tolerances.
 
 pub mod exercise;
+mod exercise_material;
 pub mod fixtures;
 pub mod lies;
+pub mod materials;
 pub mod naive_lists;
 pub mod queries;
 pub mod seeds;

@@ -2,6 +2,7 @@
 
 use crate::fixtures::{mixed_map, package, sample_map};
 use crate::lies::{reseal, section_range};
+use crate::materials::{Layer, material};
 use crate::naive_lists;
 use crate::small_surfaces;
 use glintbake_bake::normals::NormalMap;
@@ -52,6 +53,7 @@ pub fn seeds() -> Vec<Seed> {
         all_of_a_tree(),
         all_of_lobes(),
         all_of_a_quilt(),
+        all_of_a_material(),
         small_surfaces::package(
             &sample_map(Kind::Flakes, 9, 7, 5, Wrap::Repeat),
             Linear,
@@ -142,6 +144,21 @@ fn all_of_a_quilt() -> Vec<u8> {
     mip(&sample, Some(quilt))
 }
 
+/// A coat, flakes where an opacity map says, and a base.
+fn all_of_a_material() -> Vec<u8> {
+    let map = sample_map(Kind::Flakes, 5, 3, 5, Wrap::Repeat);
+    let recipe = MethodRecipe {
+        masking: false,
+        ..MethodRecipe::new(Method::Lean, &[0.4])
+    };
+    let texels = (0..5 * 3).map(|texel: u8| texel.wrapping_mul(37)).collect();
+    material(&[
+        Layer::coat(1.5, 0.05),
+        Layer::glints(&map, recipe, [0.9, 0.6, 0.3]).covering(5, 3, texels, Wrap::Repeat),
+        Layer::base([0.04; 3], [0.1, 0.2, 0.5], 0.3),
+    ])
+}
+
 /// Sixteen clusters a cell of lobes, one a texel, of `map` or of its quilt.
 fn mip(map: &NormalMap, quilt: Option<QuiltRecipe>) -> Vec<u8> {
     let recipe = MethodRecipe {
@@ -206,6 +223,7 @@ fn sound() -> Vec<(&'static str, Vec<u8>)> {
             "surface-of-texels",
             small_surfaces::package(&repeat, Constant, &[0.05]),
         ),
+        ("material", all_of_a_material()),
         ("tree", all_of_a_tree()),
         ("tree-clamp", tree(&clamp, &[0.1], Kernel::Disk)),
         ("tree-one-texel", tree(&texel, &[0.5], Kernel::Beckmann)),

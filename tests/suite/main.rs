@@ -15,6 +15,7 @@ mod flake_bins;
 mod gaussian;
 mod golden;
 mod hostile;
+mod layers;
 mod lean;
 mod lobes;
 mod masked_brdf;

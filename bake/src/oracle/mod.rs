@@ -17,6 +17,7 @@
 //! | the same by counting samples | [`binning`] | \[YHJ*14\] Fig. 9 |
 //! | the sum over 4D lobes of position and normal | [`lobes`] | \[YHMR16\], \[TZX22\] eq. 3-6 |
 //! | the model of `lean`: one lobe by MIP-mapped moments | [`lean`] | \[OB10\], \[Tok05\] |
+//! | layered materials | [`layers`] | \[XTXW24\] eq. 3, \[AWKK21\] §6 |
 //!
 //! Cost is no concern: a query visits every texel under its footprint.
 
@@ -29,6 +30,7 @@ mod double_double;
 pub mod flake_bins;
 mod gauss_legendre;
 mod gaussian;
+pub mod layers;
 pub mod lean;
 pub mod lobes;
 mod masking;

@@ -21,6 +21,7 @@ mod index;
 mod json;
 mod lean;
 mod lobes;
+mod materials;
 mod mip_lobes;
 mod outputs;
 mod query;

@@ -19,7 +19,7 @@ use glintbake_format::{Container, Fault, Finding, SectionId};
 #[derive(Clone, Copy, Debug)]
 pub struct Layer<'a> {
     record: MaterialLayer,
-    ndf: Option<SurfaceNdf<'a>>,
+    pub(super) ndf: Option<SurfaceNdf<'a>>,
     opacity: Option<Opacity<'a>>,
 }
 

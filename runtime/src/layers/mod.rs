@@ -36,6 +36,7 @@ pub use layer::Layer;
 
 use crate::error::QueryError;
 use crate::microfacet::brdf::half_vector;
+use crate::ndf::SurfaceNdf;
 use choice::Choice;
 use glintbake_format::Container;
 use glintbake_format::model::Footprint;
@@ -101,6 +102,23 @@ impl<'a> Material<'a> {
     pub const fn with_composition(mut self, composition: Composition) -> Self {
         self.composition = composition;
         self
+    }
+
+    /// The same material with P-NDFs as `change` makes them from those that are there and the places of their layers: of another
+    /// accuracy, setting or roughness.
+    ///
+    /// # Errors
+    /// What `change` fails with.
+    pub fn with_ndfs(
+        mut self,
+        change: impl Fn(usize, SurfaceNdf<'a>) -> Result<SurfaceNdf<'a>, QueryError>,
+    ) -> Result<Self, QueryError> {
+        for (place, layer) in self.layers.iter_mut().flatten().enumerate() {
+            if let Some(ndf) = layer.ndf() {
+                layer.ndf = Some(change(place, *ndf)?);
+            }
+        }
+        Ok(self)
     }
 
     /// Its layers, the top first.

@@ -1,6 +1,7 @@
 //! Damaged and lying packages: a typed finding, never a panic, a hang or a wrong number that looks right.
 
 mod lies;
+mod materials;
 
 use glintbake_bake::{MethodRecipe, QuiltRecipe};
 use glintbake_format::model::{
