@@ -138,7 +138,7 @@ fn inspect_shows_header_instances_sections_and_where_the_map_came_from() {
     let said = workshop.succeeds(&["inspect", "map.glint"]);
     let input = format!("  input map.png, {} bytes", workshop.read("map.png").len());
     for text in [
-        "map.glint: glintbake package version 1.5, ",
+        "map.glint: glintbake package version 1.6, ",
         "  instance 1: flake-bins 96 x 40, roughness 0.2",
         "  instance 3: specular-bins 96 x 40",
         "  INST     all                3  ",

@@ -44,7 +44,7 @@ fn a_bake_that_names_no_method_makes_a_tree() {
         assert!(text.contains(words), "{words:?} in {text}");
     }
     let document = workshop.document(&["inspect", "map.glint", "--json"]);
-    assert_eq!(document["version"], serde_json::json!([1, 5]));
+    assert_eq!(document["version"], serde_json::json!([1, 6]));
     let instance = &document["instances"][0];
     assert_eq!(
         (
