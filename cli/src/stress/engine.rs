@@ -3,11 +3,11 @@
 use super::maps::NamedMap;
 use super::outcome::Outcome;
 use super::target::{Ground, Target};
-use super::{CHECKS, FILTERS, convergence, refusals, run_check};
+use super::{CHECKS, FILTERS, convergence, materials, refusals, run_check};
 use crate::measure::subject::{REGISTRY, Subject, Variant, find};
 use crate::rebuild;
 use glintbake_bake::{BakeError, MethodRecipe, Recipe, bake};
-use glintbake_runtime::{Instance, Package, QueryError, SurfaceNdf};
+use glintbake_runtime::{Instance, Material, Package, QueryError, SurfaceNdf};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -72,6 +72,11 @@ pub fn on_package(
     for (place, instance) in (0..).zip(&instances) {
         tick(place, instances.len() as u64);
         outcomes.extend(on_instance(name, package, instance)?);
+    }
+    match Material::open(package.container()) {
+        Ok(material) => outcomes.extend(materials::check(name, &material)),
+        Err(QueryError::NotBaked { .. }) => {}
+        Err(error) => return Err(error),
     }
     Ok(outcomes)
 }

@@ -13,6 +13,7 @@
 //! | continuity | footprints that slide and grow | the change of their weights |
 //! | precision | queries rounded to f32 | the model of the rounded query |
 //! | convergence | settings from coarse to exact | the truth, or the model |
+//! | reciprocity, energy, sampling, continuity of a layered material | its BRDF, sampler and opacity maps | themselves |
 //! | refusals | what is no query, no normal, no option | an error that names the cause |
 
 mod accuracy;
@@ -23,6 +24,7 @@ mod engine;
 mod footprints;
 mod half_vectors;
 pub mod maps;
+mod materials;
 mod numbers;
 mod outcome;
 mod precision;

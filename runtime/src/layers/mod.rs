@@ -18,8 +18,8 @@
 //! ```
 //!
 //! D and G are those of the layer's P-NDF, masking inside the sum as [`brdf::eval`] has it, or Beckmann's of a roughness. T is
-//! what a coat lets pass on the way down *and* up, at the surface's normal: eq. 3 leaves open which angle F_coat is of, and with
-//! the half vector's, once, a white base under glass sends out up to 1.7 times the light that arrives.
+//! what a coat lets pass on the way down *and* up, at the surface's normal: eq. 3 leaves open which angle its Fresnel term is of, and with
+//! the half vector's, once, a white base under polished glass sends out up to 1.2 times the light that arrives.
 //! [`Composition::HalfVector`] is that form. Both are reciprocal.
 //!
 //! Left out: refraction's turning of directions in the coat, light that goes to and fro between layers.

@@ -4,6 +4,7 @@ use super::{car_paint, directions, exact_flakes, flakes, open};
 use glintbake_bake::MethodRecipe;
 use glintbake_bake::oracle::layers::{Kind, Layer as OracleLayer, Normals, Passed, brdf};
 use glintbake_format::model::{Footprint, Method, Wrap};
+use glintbake_runtime::Ndf;
 use glintbake_runtime::microfacet::brdf as plain;
 use glintbake_runtime::microfacet::fresnel::Fresnel;
 use glintbake_runtime::{
@@ -107,10 +108,10 @@ fn four_layers_are_what_the_formulas_say() {
                 }
             }
         }
-        // The map's masking comes from a table, see the tests of masking.
-        let bound = if masked { 0.02 } else { 1e-8 };
+        // Exact normals are kept within 65536ths of bins; the map's masking comes from a table, see the tests of masking.
+        let bound = if masked { 0.02 } else { 1e-4 };
         assert!(worst < bound, "masked {masked}: {worst:e}");
-        assert!(!masked || worst > 1e-6, "the table is looked at: {worst:e}");
+        assert!(!masked || worst > 3e-4, "the table is looked at: {worst:e}");
     }
 }
 
@@ -120,7 +121,10 @@ fn one_layer_of_glints_is_the_plain_brdf_to_the_bit() {
     let footprints = Stream::new(4);
     for method in [
         exact_flakes(0.2, true),
-        MethodRecipe::new(Method::SpecularBins, &[]),
+        MethodRecipe {
+            bins: Some(12),
+            ..MethodRecipe::new(Method::SpecularBins, &[])
+        },
         MethodRecipe::new(Method::Lean, &[0.2]),
         MethodRecipe::new(Method::ClusterTree, &[0.2]),
         MethodRecipe::new(Method::Lobes, &[0.2]),
@@ -187,7 +191,7 @@ fn the_order_of_layers_matters_and_neither_layer_is_lost() {
         assert!(own <= a, "{own} of {a}");
     }
     assert!(
-        counted > 80 && differ * 4 > counted * 3,
+        counted > 40 && differ * 4 > counted * 3,
         "{differ} of {counted}"
     );
 }
