@@ -2,6 +2,7 @@
 
 mod energy;
 mod formulas;
+mod golden;
 mod opacity;
 mod sampling;
 

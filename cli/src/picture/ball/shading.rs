@@ -82,7 +82,7 @@ impl<S: Skin> Shading<'_, S> {
     ) -> Result<Vector, QueryError> {
         let light = lamp.sample(uniform);
         let scattering = self.scattering(footprint, point, light)?;
-        Ok(self.from_lamp(lamp, scattering))
+        Ok(self.sent_by(lamp, scattering))
     }
 
     fn surface_light(
@@ -102,14 +102,14 @@ impl<S: Skin> Shading<'_, S> {
         for lamp in self.studio.lamps() {
             if lamp.shines_from(light) {
                 let scattering = self.skin.scattering(footprint, local, view)?;
-                sum = add(sum, self.from_lamp(lamp, scattering));
+                sum = add(sum, self.sent_by(lamp, scattering));
             }
         }
         Ok(sum)
     }
 
     /// What a point of `lamp` sends to the viewer, weighed for how often it is met in both ways: see [`mixture`].
-    fn from_lamp(&self, lamp: &Lamp, scattering: Scattering) -> Vector {
+    fn sent_by(&self, lamp: &Lamp, scattering: Scattering) -> Vector {
         if scattering.value == [0.0; 3] {
             return [0.0; 3];
         }
