@@ -1,6 +1,7 @@
 //! A package ready for queries.
 
 use crate::error::QueryError;
+use crate::layers::Material;
 use crate::ndf::SurfaceNdf;
 use glintbake_format::model::Method;
 use glintbake_format::records::Instance;
@@ -54,6 +55,14 @@ impl<'a> Package<'a> {
             };
             method.is_none_or(|method| method == instance.method) && same_layer && same_roughness
         })
+    }
+
+    /// The layered material of the package, ready to be queried.
+    ///
+    /// # Errors
+    /// As [`Material::open`].
+    pub fn material(&self) -> Result<Material<'a>, QueryError> {
+        Material::open(&self.container)
     }
 
     /// The P-NDF of instance `number`, ready to be queried.

@@ -58,11 +58,11 @@ pub enum Composition {
 ///
 /// ```no_run
 /// use glintbake_runtime::model::Footprint;
-/// use glintbake_runtime::{Material, Package};
+/// use glintbake_runtime::Package;
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let bytes = std::fs::read("car-paint.glint")?;
-/// let material = Material::open(Package::open(&bytes)?.container())?;
+/// let material = Package::open(&bytes)?.material()?;
 /// // The pixel's patch in the material's own unit square, and directions along tangent, bitangent and normal.
 /// let patch = Footprint { centre: [0.3, 0.7], edge_1: [0.01, 0.0], edge_2: [0.0, 0.01] };
 /// let (sun, eye) = ([0.6, 0.0, 0.8], [0.0, 0.0, 1.0]);

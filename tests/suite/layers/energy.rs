@@ -62,7 +62,7 @@ fn glass_over_white_keeps_energy_unlike_equation_3_with_the_half_vector() {
             let view = direction(cosine, 0.3);
             let [kept, ..] = albedo(&material, view, 6000);
             let what = format!("{roughness} {cosine}: {kept}");
-            assert!(kept <= 1.0 + 0.01 && kept > 0.6, "{what}");
+            assert!(kept <= 1.0 + 0.01 && kept > 0.25, "{what}");
             let paper = material.with_composition(Composition::HalfVector);
             let [paper, ..] = albedo(&paper, view, 6000);
             assert!(paper > kept, "{what} {paper}");
