@@ -134,7 +134,11 @@ impl Lobe for Beckmann {
         let cosine = 1.0 - 0.5 * chord;
         let bounded = max(cosine, LEAST_COSINE);
         let inverse = 1.0 / (bounded * bounded);
-        let exponent = 0.5 * square * (1.0 - 0.25 * chord) * inverse;
+        // Of normals far beyond the disk, as trees that lie have, the quotient is negative.
+        let exponent = max(
+            0.5 * square * (1.0 - 0.25 * chord) * inverse,
+            0.5 * (ds * ds + dt * dt),
+        );
         let factor = if cosine > LEAST_COSINE {
             inverse * inverse
         } else {
