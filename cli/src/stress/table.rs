@@ -44,7 +44,10 @@ pub fn lines(outcomes: &[Outcome]) -> Vec<String> {
 fn largest_jumps(outcomes: &[Outcome]) -> impl Iterator<Item = String> {
     let slides = merged(outcomes, false).into_iter();
     slides
-        .filter(|outcome| outcome.check == "continuity" && outcome.at.is_some())
+        // Of a material it is coverage that is looked at, not density: under no filter.
+        .filter(|outcome| {
+            outcome.check == "continuity" && outcome.at.is_some() && outcome.filter.is_some()
+        })
         .map(|outcome| {
             format!(
                 "largest jump of {} under {} footprints: {:.1e} of the peak",

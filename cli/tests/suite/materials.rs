@@ -209,6 +209,25 @@ fn balls_show_the_material_and_layers_one_by_one() {
 }
 
 #[test]
+fn materials_are_put_to_stress_as_materials_too() {
+    let workshop = workshop();
+    workshop.succeeds(&["bake", "paint.toml", "-o=paint.glint"]);
+    let said = workshop.succeeds(&["stress", "paint.glint"]);
+    for check in [
+        "reciprocity material",
+        "energy      material",
+        "sampling    material",
+        "continuity  material",
+    ] {
+        let line = said.lines().find(|line| line.starts_with(check));
+        assert!(
+            line.is_some_and(|line| line.ends_with("pass")),
+            "{check}: {said}"
+        );
+    }
+}
+
+#[test]
 fn material_files_that_cannot_be_baked_are_refused_with_their_line() {
     let workshop = workshop();
     let bake = ["bake", "paint.toml", "-o=paint.glint"];
