@@ -294,7 +294,7 @@ fn what_cannot_be_baked_is_named_with_layer_key_and_line() {
     }
     let error = wrong(&second("coat", ""));
     assert!(
-        error.starts_with("paint.toml, line 9: ior of layer 2: a base reflects by f0"),
+        error.starts_with("paint.toml, line 10: ior of layer 2: a base reflects by f0"),
         "{error}"
     );
 }
