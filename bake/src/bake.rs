@@ -62,6 +62,7 @@ pub fn bake_with_progress(
         left_out: Vec::new(),
         chosen: Vec::new(),
         quilted: Vec::new(),
+        ndf_mapped: Vec::new(),
         progress,
         instance_count: recipe.instance_count(),
     };

@@ -2,6 +2,7 @@
 
 use crate::image::ImageError;
 use crate::material::MaterialError;
+use crate::noise::NoiseError;
 use crate::normals::NormalsError;
 use crate::package::PublishError;
 
@@ -11,6 +12,9 @@ pub enum BakeError {
     /// The input file cannot be read as an image.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// The noise map cannot be used.
+    #[error(transparent)]
+    Noise(#[from] NoiseError),
     /// The image is no normal map.
     #[error(transparent)]
     Normals(#[from] NormalsError),

@@ -19,6 +19,7 @@ pub mod image;
 pub mod material;
 mod metadata;
 mod methods;
+pub mod noise;
 pub mod normals;
 pub mod oracle;
 pub mod package;
@@ -31,5 +32,6 @@ pub use package::PackagePlan;
 pub use progress::{Progress, Stage};
 pub use recipe::{
     Chosen, DEFAULT_CLUSTERS, DEFAULT_LEAF_SIZE, DEFAULT_MERGE_ERROR, DEFAULT_METHOD,
-    DEFAULT_ROUGHNESS, LeftOut, MethodRecipe, QuiltRecipe, Quilted, Recipe, Source, default_filter,
+    DEFAULT_NDF_PITCH, DEFAULT_ROUGHNESS, LeftOut, MethodRecipe, NdfCopies, NdfMapRecipe,
+    NdfMapped, QuiltRecipe, Quilted, Recipe, Source, default_filter,
 };

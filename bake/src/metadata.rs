@@ -75,5 +75,8 @@ fn common(inputs: &[&InputFile], bake: &Bake<'_>) -> Value {
     if !bake.quilted.is_empty() {
         value["quilted"] = json!(bake.quilted);
     }
+    if !bake.ndf_mapped.is_empty() {
+        value["ndf-maps"] = json!(bake.ndf_mapped);
+    }
     value
 }

@@ -1,10 +1,12 @@
 //! What a bake is asked for: the words of the recipe, and the hash that names it.
 
 use crate::image::{InputFile, ReadOptions};
+use crate::noise::{NoiseMap, Transform};
 use crate::normals::{DecodeOptions, Statistics};
 use glintbake_format::model::{Filter, Interpolation, Kernel, LobeLattice, Method};
 use glintbake_format::records::InverseKind;
 use serde::Serialize;
+use std::sync::Arc;
 
 /// Raised when the same recipe and inputs would give other bytes than the release before.
 const ALGORITHM_VERSION: u32 = 3;
@@ -73,6 +75,9 @@ pub struct MethodRecipe {
     /// The surface that the map is a sample of; `None` if it is the surface itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub quilt: Option<QuiltRecipe>,
+    /// The surface that copies of the map make up, for `ndf-maps`; `None` if they are tiled as they are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ndf_maps: Option<NdfMapRecipe>,
     /// Whether exact normals are stored, 4 bytes a texel.
     pub exact_normals: bool,
     /// Whether a cluster tree has a raster of normals beside it, 4 bytes a texel.
@@ -122,6 +127,63 @@ impl QuiltRecipe {
     }
 }
 
+/// A surface of copies of a tiny example.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct NdfMapRecipe {
+    /// Texels along each side of a tile of texture space; `None` for the example's own.
+    pub size: Option<u32>,
+    /// Where copies lie.
+    pub copies: NdfCopies,
+    /// Whether scale and shear of copies change the slopes of their normals.
+    pub scales_slopes: bool,
+    /// Distance of pixels in units of σr; `None` for [`DEFAULT_NDF_PITCH`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pitch: Option<f64>,
+    /// Pixels along a side of each image, as in \[XTXW24\], instead of splines at a pitch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub paper_pixels: Option<u32>,
+    /// Normal of what no copy covers, a point of the disk.
+    pub ground: [f64; 2],
+    /// Beckmann roughness α of what no copy covers; `None` for that of the instance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground_roughness: Option<f64>,
+}
+
+impl Default for NdfMapRecipe {
+    fn default() -> Self {
+        Self {
+            size: None,
+            copies: NdfCopies::Tiled(Transform::default()),
+            scales_slopes: false,
+            pitch: None,
+            paper_pixels: None,
+            ground: [0.0; 2],
+            ground_roughness: None,
+        }
+    }
+}
+
+/// Where copies of an example lie.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NdfCopies {
+    /// Close to each other, all transformed alike.
+    Tiled(Transform),
+    /// Where a noise map says.
+    Scattered(#[serde(serialize_with = "noise_source")] Arc<NoiseMap>),
+}
+
+fn noise_source<S: serde::Serializer>(
+    noise: &Arc<NoiseMap>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    noise.source.serialize(serializer)
+}
+
+/// Distance of pixels of a `ndf-maps` recipe that names none, in units of σr: peaks are then within 0.4 %.
+pub const DEFAULT_NDF_PITCH: f64 = 1.0;
+
 /// Clusters of a recipe that names none: what \[TZX22\] takes for glints.
 pub const DEFAULT_CLUSTERS: u32 = 32;
 
@@ -163,6 +225,7 @@ impl MethodRecipe {
             interpolation: None,
             clusters: None,
             quilt: None,
+            ndf_maps: None,
             exact_normals: false,
             raster_normals: false,
             masking: true,
@@ -261,6 +324,22 @@ pub struct Quilted {
     pub mean_error: f64,
 }
 
+/// What a surface of copies has come to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct NdfMapped {
+    /// The instance.
+    pub instance: u16,
+    /// Copies that are seen; 1 if they are tiled.
+    pub copies: usize,
+    /// Copies that others hide wholly, and that are not stored.
+    pub hidden: usize,
+    /// The share of the surface that copies cover.
+    pub covered: f64,
+    /// Pixels of all NDF images.
+    pub pixels: usize,
+}
+
 /// A section that is not in the package, and why.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -323,6 +402,8 @@ impl Recipe {
             // A cell of eight texels a side has 32 lobes of 32 bytes as a rule, and those of a surface are no more.
             Method::MipLobes => 60,
             Method::Analytic => 12,
+            // Maps that are not tiny are refused.
+            Method::NdfMaps => 60,
         };
         let structures: u64 = self.methods.iter().map(structures).sum();
         8 + structures

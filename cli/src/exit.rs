@@ -3,6 +3,7 @@
 use glintbake_bake::BakeError;
 use glintbake_bake::image::ImageError;
 use glintbake_bake::material::MaterialError;
+use glintbake_bake::noise::NoiseError;
 use glintbake_bake::normals::NormalsError;
 use glintbake_bake::package::PublishError;
 use glintbake_format::Finding;
@@ -99,6 +100,7 @@ impl From<BakeError> for CommandError {
                 reason,
             } if value.is_empty() => Self::new(Failure::Usage, format!("{option}: {reason}")),
             BakeError::Image(error) => error.into(),
+            BakeError::Noise(error) => error.into(),
             BakeError::Normals(error) => error.into(),
             BakeError::Publish(error) => error.into(),
             BakeError::Material(error) => (*error).into(),
@@ -114,6 +116,17 @@ impl From<ImageError> for CommandError {
             // The file is fine; it has no layer or channel of the name that was given.
             ImageError::Selection { .. } => Failure::Usage,
             _ => Failure::Input,
+        };
+        Self::new(failure, error.to_string())
+    }
+}
+
+impl From<NoiseError> for CommandError {
+    fn from(error: NoiseError) -> Self {
+        let failure = match error {
+            NoiseError::Image(error) => return error.into(),
+            NoiseError::Layout { .. } | NoiseError::Pixel { .. } => Failure::Content,
+            NoiseError::Option { .. } => Failure::Usage,
         };
         Self::new(failure, error.to_string())
     }
@@ -165,6 +178,7 @@ impl From<QueryError> for CommandError {
             | QueryError::NoSuchInstance(_) => Failure::NotBaked,
             QueryError::KernelUnsupported(_)
             | QueryError::FilterUnsupported(_)
+            | QueryError::BoxesOnly(_)
             | QueryError::RoughnessRange { .. } => Failure::Usage,
             QueryError::Damaged(_) => Failure::Package,
         };

@@ -160,6 +160,19 @@ faults! {
     /// Weights of clustered lobes that are not the cell's.
     MipWeight = 3605, "the clustered lobes of a cell do not weigh as much as the cell";
 
+    /// What NDF images and copies have in common is out of range.
+    NdfRoot = 3701, "the root of the NDF maps has a number that is none or out of range";
+    /// An NDF image that is not where its pixels are.
+    NdfImage = 3702, "an NDF image has no size, lies off the disk, or has not the pixels that come next";
+    /// A pixel of an NDF image that stands for no value.
+    NdfPixel = 3703, "a pixel of an NDF image is below the least that is stored";
+    /// A copy of the example that covers nothing.
+    NdfCopy = 3704, "a copy of the example has a singular transformation, reaches too far, or is not in its cell";
+    /// Neighbours that are not there.
+    NdfNeighbour = 3705, "a copy names neighbours that are not there, too many, or out of order";
+    /// The grid of copies is not in order.
+    NdfGrid = 3706, "the grid of copies falls, or does not run from zero to the number of copies";
+
     /// No layer, or more than eight.
     MaterialCount = 3801, "the material has no layer, or more than a material may have";
     /// A layer's numbers contradict themselves or this version.

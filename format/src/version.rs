@@ -13,7 +13,8 @@ pub const MAJOR: u16 = 1;
 ///
 /// 1 added block lists, bin maps in blocks, and masking; 2 added pyramids of moments, and `lean` which reads them; 3 added cluster
 /// trees, and `cluster-tree` which reads them; 4 added box pyramids, with `lobes` and `analytic` which read them; 5 added quilts and
-/// clustered lobes, and `mip-lobes` which reads them; 6 added layers of materials and opacity maps.
+/// clustered lobes, and `mip-lobes` which reads them; 6 added NDF maps, and `ndf-maps` which reads them, layers of materials and opacity
+/// maps.
 pub const MINOR: u16 = 6;
 
 /// Every section starts at a multiple of this, so that it can be uploaded to a GPU as it is.

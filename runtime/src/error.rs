@@ -22,6 +22,8 @@ pub enum QueryError {
     KernelUnsupported(Method),
     /// The filter is not one of this method.
     FilterUnsupported(Method),
+    /// The method answers for boxes alone.
+    BoxesOnly(Method),
     /// The roughness asked for is out of range.
     RoughnessRange {
         /// The least Beckmann roughness.
@@ -71,6 +73,11 @@ impl fmt::Display for QueryError {
             Self::FilterUnsupported(method) => write!(
                 f,
                 "{} is made for Gaussian footprints; ask with the filter gaussian",
+                method.name()
+            ),
+            Self::BoxesOnly(method) => write!(
+                f,
+                "{} is made for boxes; ask with the filter box",
                 method.name()
             ),
             Self::RoughnessRange { least, most } => write!(

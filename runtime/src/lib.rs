@@ -45,7 +45,7 @@ pub use glintbake_format::{Fault, Finding};
 pub use layers::{Composition, Layer, Material};
 pub use ndf::{
     Accuracy, Analytic, BatchError, Bounded, ClusterTree, Facet, FlakeBins, GlobalNdf, Lean, Lobe,
-    Lobes, MipLobes, Ndf, Queries, Setting, SpecularBins, SurfaceNdf, TriangleForm,
+    Lobes, MipLobes, Ndf, NdfMaps, Queries, Setting, SpecularBins, SurfaceNdf, TriangleForm,
 };
 pub use package::Package;
 pub use simd::{Instructions, Work};

@@ -1,7 +1,7 @@
 //! Numbers that look random and depend on nothing but their seed.
 
 /// A stream of them: `SplitMix` (Steele, Lea and Flood 2014).
-pub(super) struct Numbers(u64);
+pub(crate) struct Numbers(u64);
 
 impl Numbers {
     /// The stream of `seed`.

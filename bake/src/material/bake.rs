@@ -103,6 +103,7 @@ pub fn bake_maps(
         left_out: Vec::new(),
         chosen: Vec::new(),
         quilted: Vec::new(),
+        ndf_mapped: Vec::new(),
         progress,
         instance_count: maps.map(|map| map.recipe.instance_count()).sum(),
     };

@@ -9,6 +9,7 @@ mod lean;
 mod lobes;
 mod masking;
 mod mip_lobes;
+mod ndf_maps;
 mod options;
 mod roughness;
 mod specular_bins;
@@ -17,7 +18,7 @@ use crate::error::BakeError;
 use crate::normals::NormalMap;
 use crate::package::PackagePlan;
 use crate::progress::{Progress, Stage};
-use crate::recipe::{Chosen, LeftOut, MethodRecipe, Quilted};
+use crate::recipe::{Chosen, LeftOut, MethodRecipe, NdfMapped, Quilted};
 use glintbake_format::model::Method;
 use glintbake_format::records::Instance;
 
@@ -55,6 +56,7 @@ pub const REGISTRY: &[&dyn BakeMethod] = &[
     &lobes::Lobes,
     &analytic::Analytic,
     &mip_lobes::MipLobes,
+    &ndf_maps::NdfMaps,
 ];
 
 /// The baker of `method`.
@@ -79,6 +81,8 @@ pub struct Bake<'a> {
     pub chosen: Vec<Chosen>,
     /// How well the blocks of quilts meet.
     pub quilted: Vec<Quilted>,
+    /// What surfaces of copies have come to.
+    pub ndf_mapped: Vec<NdfMapped>,
     /// Who hears how far it has come.
     pub progress: &'a dyn Progress,
     /// How many instances there will be.

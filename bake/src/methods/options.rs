@@ -100,6 +100,15 @@ const OPTIONS: &[Owned] = &[
         owners: &[Method::MipLobes],
         thing: "surface to quilt",
     },
+    Owned {
+        option: "--size",
+        value: |recipe| {
+            let size = recipe.ndf_maps.as_ref()?.size;
+            Some(size.map_or_else(String::new, |size| size.to_string()))
+        },
+        owners: &[Method::NdfMaps],
+        thing: "surface made of copies",
+    },
 ];
 
 /// Options that came with the methods that own them; each method that is older says in its own words why it has none of the
@@ -110,6 +119,7 @@ const LATER: &[&str] = &[
     "--interpolate",
     "--clusters",
     "--target",
+    "--size",
 ];
 
 /// Refuses every option that is another method's.

@@ -16,6 +16,7 @@
 //! | the integral over a piecewise-linear surface | [`analytic`] | \[YHJ*14\] eq. 6 |
 //! | the same by counting samples | [`binning`] | \[YHJ*14\] Fig. 9 |
 //! | the sum over 4D lobes of position and normal | [`lobes`] | \[YHMR16\], \[TZX22\] eq. 3-6 |
+//! | the same over copies of an example, in boxes | [`ndf_maps`] | \[XTXW24\] §6 |
 //! | the model of `lean`: one lobe by MIP-mapped moments | [`lean`] | \[OB10\], \[Tok05\] |
 //! | layered materials | [`layers`] | \[XTXW24\] eq. 3, \[AWKK21\] §6 |
 //!
@@ -34,6 +35,7 @@ pub mod layers;
 pub mod lean;
 pub mod lobes;
 mod masking;
+pub mod ndf_maps;
 mod polygon;
 mod segment;
 pub mod specular_bins;

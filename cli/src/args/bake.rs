@@ -1,6 +1,7 @@
 //! `bake`
 
 use super::decode::DecodeArgs;
+use super::ndf_maps::NdfMapArgs;
 use super::roughness::RoughnessArgs;
 use super::select::{filter, kernel, method};
 use crate::exit::{CommandError, Failure};
@@ -20,8 +21,8 @@ use std::path::PathBuf;
 fn roughness_help() -> String {
     format!(
         "Beckmann roughnesses α, with commas between, an instance for each. flake-bins and lean answer for these alone; \
-         cluster-tree, lobes, analytic and mip-lobes for any, and for the first if a query names none [default for these four: \
-         {DEFAULT_ROUGHNESS}]. lobes are rounded for the least of them: name the sharpest that will be asked for"
+         cluster-tree, lobes, analytic and mip-lobes for any, and for the first if a query names none; ndf-maps for these alone [default for these \
+         five: {DEFAULT_ROUGHNESS}]. lobes are rounded for the least of them: name the sharpest that will be asked for"
     )
 }
 
@@ -40,7 +41,7 @@ pub struct BakeArgs {
     /// Methods to bake for, with commas between: cluster-tree (any roughness, within an error), flake-bins (bins of one
     /// roughness), specular-bins (mirrors), lean (one Gaussian lobe, for distant surfaces), lobes (Gaussian lobes of
     /// position and normal, any roughness), analytic (integrals over interpolated normals, any roughness), mip-lobes (clustered lobes, level by level, of the map or of a
-    /// surface quilted from it, any roughness)
+    /// surface quilted from it, any roughness), ndf-maps (NDF images of a tiny map, whose copies make up a surface)
     /// [default: cluster-tree]
     #[arg(long, value_delimiter = ',', value_parser = method)]
     pub method: Vec<Method>,
@@ -53,8 +54,8 @@ pub struct BakeArgs {
     #[arg(long, value_name = "N")]
     pub bins: Option<u32>,
 
-    /// How the footprint of a query that names no filter weighs texels: box or gaussian [default: box; gaussian for
-    /// lobes, analytic and mip-lobes, which have no other]
+    /// How the footprint of a query that names no filter weighs texels: box or gaussian [default: box, which ndf-maps has
+    /// no other of; gaussian for lobes, analytic and mip-lobes, which have no other]
     #[arg(long, value_parser = filter)]
     pub filter: Option<Filter>,
 
@@ -116,9 +117,13 @@ pub struct BakeArgs {
     )]
     pub quilt_error: f64,
 
-    /// Seed of the quilt; the same seed gives the same quilt on every machine
-    #[arg(long, requires = "target", default_value_t = 0)]
+    /// Seed of a quilt, or of --instances; the same seed gives the same surface on every machine
+    #[arg(long, default_value_t = 0)]
     pub seed: u64,
+
+    /// What surface copies of the map make up
+    #[command(flatten)]
+    pub ndf_maps: NdfMapArgs,
 
     /// Store true normals beside flake-bins (4 bytes a texel), for `query --exact`
     #[arg(long)]
@@ -138,7 +143,7 @@ pub struct BakeArgs {
 
     /// Most memory a bake may take, as in 6GB or 500MB; a map that would take more is refused before it is read.
     /// Counted as 8 bytes a texel, 12 for each instance with bins, 20 for lean, 24 for cluster-tree, 40 for each lobe of
-    /// lobes, 12 for analytic, 60 for mip-lobes, and 4 each for --exact-normals and --raster-normals
+    /// lobes, 12 for analytic, 60 for mip-lobes and ndf-maps, and 4 each for --exact-normals and --raster-normals
     #[arg(long, default_value = "16GB", value_name = "SIZE", value_parser = memory)]
     pub memory: u64,
 
@@ -224,6 +229,7 @@ const ROUGH: &[Method] = &[
     Method::Lobes,
     Method::Analytic,
     Method::MipLobes,
+    Method::NdfMaps,
 ];
 
 /// Methods that answer for boxes; the others for Gaussians alone.
@@ -232,6 +238,7 @@ const BOXED: &[Method] = &[
     Method::SpecularBins,
     Method::Lean,
     Method::ClusterTree,
+    Method::NdfMaps,
 ];
 
 fn usage(message: String) -> CommandError {
@@ -305,7 +312,7 @@ impl BakeArgs {
                 "--leaf-size {leaf_size}: only a forest has leaves to choose; add {method}--index forest"
             )));
         }
-        let recipe = self.unchecked_recipe();
+        let recipe = self.unchecked_recipe()?;
         if let Err(error) = glintbake_bake::check(&recipe) {
             return Err(self.in_given_words(error));
         }
@@ -371,8 +378,9 @@ impl BakeArgs {
         })
     }
 
-    fn unchecked_recipe(&self) -> Recipe {
+    fn unchecked_recipe(&self) -> Result<Recipe, CommandError> {
         let roughness = self.roughness.all();
+        let ndf_maps = self.ndf_maps.recipe(self.seed)?;
         let methods = self
             .methods()
             .iter()
@@ -406,15 +414,16 @@ impl BakeArgs {
                     interpolation: self.interpolate.filter(|_| goes(&[Method::Analytic])),
                     clusters: self.clusters.filter(|_| goes(&[Method::MipLobes])),
                     quilt: self.quilt().filter(|_| goes(&[Method::MipLobes])),
+                    ndf_maps: ndf_maps.clone().filter(|_| goes(&[Method::NdfMaps])),
                     exact_normals: self.exact_normals && goes(&[Method::FlakeBins]),
                     raster_normals: self.raster_normals && goes(&[Method::ClusterTree]),
                     masking: !self.no_masking,
                 }
             })
             .collect();
-        Recipe {
+        Ok(Recipe {
             methods,
             ..self.decode.recipe()
-        }
+        })
     }
 }

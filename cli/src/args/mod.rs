@@ -3,6 +3,7 @@
 mod bake;
 mod decode;
 mod layer;
+mod ndf_maps;
 mod reference;
 mod report;
 mod roughness;
@@ -11,6 +12,7 @@ mod stress;
 
 pub use bake::BakeArgs;
 pub use decode::DecodeArgs;
+pub use ndf_maps::{NdfMapArgs, NoiseArgs};
 pub use reference::ReferenceArgs;
 pub use report::ReportArgs;
 pub use roughness::RoughnessArgs;
@@ -97,7 +99,7 @@ impl Command {
 pub struct SampleArgs {
     /// What the map shows
     #[arg(value_parser = sample_kind())]
-    pub kind: Kind,
+    pub kind: SampleKind,
 
     /// Side in texels, or two sides as in 512x256
     #[arg(long, default_value = "512", value_parser = size)]
@@ -123,7 +125,11 @@ pub struct SampleArgs {
     #[arg(long, default_value_t = 16, value_parser = bits)]
     pub bits: u8,
 
-    /// PNG file to write
+    /// What copies a noise-map has
+    #[command(flatten)]
+    pub noise: NoiseArgs,
+
+    /// PNG file to write; of a noise-map, PNG or EXR
     #[arg(long, short)]
     pub output: PathBuf,
 
@@ -132,13 +138,33 @@ pub struct SampleArgs {
     pub json: bool,
 }
 
+/// What `sample` makes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SampleKind {
+    /// A normal map.
+    Map(Kind),
+    /// Where copies of a tiny map lie.
+    NoiseMap,
+}
+
+/// The name of [`SampleKind::NoiseMap`].
+const NOISE_MAP: &str = "noise-map";
+
 /// A parser that lists the kinds, each with its description, in help and errors.
-fn sample_kind() -> impl TypedValueParser<Value = Kind> {
+fn sample_kind() -> impl TypedValueParser<Value = SampleKind> {
     let kinds = KINDS
         .iter()
         .map(|kind| PossibleValue::new(kind.name()).help(kind.description()));
-    PossibleValuesParser::new(kinds)
-        .try_map(|name| Kind::from_name(&name).ok_or("it is none of the kinds"))
+    let noise =
+        PossibleValue::new(NOISE_MAP).help("places and transformations of copies, for ndf-maps");
+    PossibleValuesParser::new(kinds.chain([noise])).try_map(|name| {
+        if name == NOISE_MAP {
+            return Ok(SampleKind::NoiseMap);
+        }
+        Kind::from_name(&name)
+            .map(SampleKind::Map)
+            .ok_or("it is none of the kinds")
+    })
 }
 
 fn size(text: &str) -> Result<(u32, u32), String> {
@@ -197,6 +223,10 @@ pub struct ExpandArgs {
     /// Number of the instance [default: the first]
     #[arg(long, value_name = "N")]
     pub instance: Option<u16>,
+
+    /// Texels along each side of a picture of one tile of texture space, for ndf-maps [default: those of the surface]
+    #[arg(long, value_name = "TEXELS")]
+    pub size: Option<u32>,
 
     /// PNG file to write, 16 bits a channel
     #[arg(long, short)]

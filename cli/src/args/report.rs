@@ -35,7 +35,7 @@ pub struct ReportArgs {
     #[arg(long)]
     pub quick: bool,
 
-    /// Methods to measure, with commas between: flake-bins, specular-bins, lean, cluster-tree, lobes, analytic, mip-lobes; all if left
+    /// Methods to measure, with commas between: flake-bins, specular-bins, lean, cluster-tree, lobes, analytic, mip-lobes, ndf-maps; all if left
     /// out
     #[arg(long, value_delimiter = ',', value_parser = method)]
     pub method: Vec<Method>,

@@ -18,7 +18,7 @@ pub struct SettingArgs {
     #[arg(long, value_name = "N")]
     pub layer: Option<u16>,
 
-    /// Method to answer with, cluster-tree, flake-bins, specular-bins, lean, lobes, analytic or mip-lobes; the package's first if left
+    /// Method to answer with, cluster-tree, flake-bins, specular-bins, lean, lobes, analytic, mip-lobes or ndf-maps; the package's first if left
     /// out
     #[arg(long, value_parser = method)]
     pub method: Option<Method>,
@@ -37,7 +37,7 @@ pub struct SettingArgs {
     #[arg(long, value_name = "SIGMA", allow_negative_numbers = true)]
     pub intrinsic_roughness: Option<f64>,
 
-    /// How the footprint weighs texels, box or gaussian (the one filter of lobes, analytic and mip-lobes); the package's default if
+    /// How the footprint weighs texels, box (the one filter of ndf-maps) or gaussian (that of lobes, analytic and mip-lobes); the package's default if
     /// left out
     #[arg(long, value_parser = filter)]
     pub filter: Option<Filter>,
@@ -256,6 +256,7 @@ impl SettingArgs {
             Structure::MipLobes(layout) => {
                 format!("clusters={}", usize::from(layout.blocks) * MIP_LANES)
             }
+            Structure::NdfMaps(layout) => format!("example={}", layout.example()),
             Structure::Surface { interpolation } => {
                 format!("interpolation={}", interpolation.name())
             }

@@ -108,7 +108,13 @@ fn bake_image(
     }
     stages.clear();
     Ok(Baked {
-        inputs: vec![arguments.image.clone()],
+        inputs: [
+            Some(arguments.image.clone()),
+            arguments.ndf_maps.noise.clone(),
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
         maps: Vec::new(),
         up_to_date,
     })
@@ -225,6 +231,9 @@ fn report(
     }
     for layer in describe::layers(package)? {
         console.line(format_args!("  {layer}"));
+    }
+    for line in describe::copies(metadata) {
+        console.line(format_args!("  {line}"));
     }
     for line in describe::normals(metadata) {
         console.line(format_args!("  {line}"));

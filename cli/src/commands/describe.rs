@@ -1,7 +1,7 @@
 //! Words for what a package holds, shared by the commands that name it.
 
 use crate::exit::{CommandError, Failure};
-use glintbake_format::model::{MIP_LANES, MipLayout, PyramidLayout};
+use glintbake_format::model::{MIP_LANES, MipLayout, NdfMapLayout, NdfPixels, PyramidLayout};
 use glintbake_format::records::{
     InverseKind, LayerKind, LayerNormals, METADATA, MaterialLayer, Structure,
 };
@@ -68,6 +68,7 @@ pub(super) fn instance(instance: &Instance) -> String {
             format!("{kind} lobes, {count} a texel")
         }
         Structure::MipLobes(layout) => mip_lobes(&layout),
+        Structure::NdfMaps(layout) => ndf_maps(&layout),
         Structure::Surface { interpolation } => {
             format!("interpolation {}", interpolation.name())
         }
@@ -203,6 +204,50 @@ fn mip_lobes_document(layout: &MipLayout) -> Value {
     document
 }
 
+/// The example, its images, and how its copies lie.
+fn ndf_maps(layout: &NdfMapLayout) -> String {
+    let copies = if layout.is_scattered {
+        "scattered"
+    } else {
+        "tiled"
+    };
+    let slopes = if layout.scales_slopes {
+        ", slopes scaled"
+    } else {
+        ""
+    };
+    format!(
+        "{copies} copies of {0} x {0} texels, {1} NDF images of {2}{slopes}",
+        layout.example(),
+        layout.images(),
+        pixels(layout),
+    )
+}
+
+/// What the metadata says of surfaces made of copies, a sentence each.
+pub(super) fn copies(metadata: &Value) -> Vec<String> {
+    let all = metadata["ndf-maps"].as_array().into_iter().flatten();
+    all.map(|copies| {
+        format!(
+            "copies of instance {}: {} seen, {} hidden by others, {:.1} % of the surface covered; {} pixels of NDF images",
+            copies["instance"],
+            copies["copies"],
+            copies["hidden"],
+            100.0 * copies["covered"].as_f64().unwrap_or(f64::NAN),
+            copies["pixels"],
+        )
+    })
+    .collect()
+}
+
+/// What the pixels of NDF images are.
+fn pixels(layout: &NdfMapLayout) -> &'static str {
+    match layout.pixels {
+        NdfPixels::Splines => "splines",
+        NdfPixels::Points => "points",
+    }
+}
+
 /// The level of one cell over the map of `instance`.
 fn top(instance: &Instance) -> u32 {
     PyramidLayout::top_of(instance.width, instance.height)
@@ -240,6 +285,13 @@ pub(super) fn instance_document(instance: &Instance) -> Value {
             "lobes-per-texel": lattice.per_side * lattice.per_side,
         }),
         Structure::MipLobes(layout) => mip_lobes_document(&layout),
+        Structure::NdfMaps(layout) => json!({
+            "example": layout.example(),
+            "images": layout.images(),
+            "pixels": pixels(&layout),
+            "scales-slopes": layout.scales_slopes,
+            "scattered": layout.is_scattered,
+        }),
         Structure::Surface { interpolation } => json!({
             "interpolation": interpolation.name(),
         }),

@@ -6,8 +6,50 @@ use crate::exit::{CommandError, Failure};
 use crate::output::Console;
 use crate::picture::png;
 use crate::rebuild;
+use glintbake_bake::normals::NormalMap;
+use glintbake_format::records::Structure;
+use glintbake_runtime::{Instance, Package};
 use glintbake_samples::Sample;
 use serde_json::json;
+
+/// The most points along a side of an expanded surface.
+const MAX_SIDE: u32 = 16384;
+
+/// The normals of the surface of `instance`.
+fn explicit(
+    arguments: &ExpandArgs,
+    package: &Package<'_>,
+    instance: &Instance,
+) -> Result<NormalMap, CommandError> {
+    let path = &arguments.open.package;
+    let wanted =
+        |message: String| CommandError::new(Failure::Usage, message).in_file(path.display());
+    let (number, method) = (instance.number, instance.method.name());
+    let is_copied = matches!(instance.structure, Structure::NdfMaps(_));
+    let map = match (is_copied, arguments.size) {
+        (true, size) => {
+            let size = size.unwrap_or(instance.width);
+            if !(1..=MAX_SIDE).contains(&size) {
+                return Err(wanted(format!(
+                    "--size {size}: give 1 to {MAX_SIDE} points along a side"
+                )));
+            }
+            rebuild::ndf_maps::explicit(package.container(), instance, size).map(Some)
+        }
+        (false, Some(size)) => {
+            return Err(wanted(format!(
+                "--size {size}: the surface of instance {number}, {method}, has texels of its own; leave the option out"
+            )));
+        }
+        (false, None) => rebuild::normal_map(package.container(), instance),
+    };
+    map.map_err(|finding| CommandError::from(finding).in_file(path.display()))?
+        .ok_or_else(|| {
+            wanted(format!(
+                "instance {number} of {method} keeps no texel's own normal"
+            ))
+        })
+}
 
 /// Writes the normals of every texel of the surface.
 ///
@@ -33,15 +75,7 @@ pub fn run(arguments: &ExpandArgs, console: &Console) -> Result<(), CommandError
         ))
     })?;
     let progress = console.progress("expanding");
-    let map = rebuild::normal_map(package.container(), &instance)
-        .map_err(|finding| CommandError::from(finding).in_file(path.display()))?
-        .ok_or_else(|| {
-            wanted(format!(
-                "instance {} of {} keeps no texel's own normal",
-                instance.number,
-                instance.method.name()
-            ))
-        })?;
+    let map = explicit(arguments, &package, &instance)?;
     let (width, height) = (map.width(), map.height());
     let sample = Sample {
         width,

@@ -151,6 +151,9 @@ fn print_metadata(metadata: &Value, console: &Console) {
             quilted["mean-error"].as_f64().unwrap_or(f64::NAN),
         ));
     }
+    for line in describe::copies(metadata) {
+        console.result(format_args!("  {line}"));
+    }
     for left_out in metadata["left-out"].as_array().into_iter().flatten() {
         console.result(format_args!(
             "  left out: {} of instance {}: {}",

@@ -39,6 +39,8 @@ pub(super) fn warn(console: &Console, name: impl Display, metadata: &Value, inst
             let bridged = BRIDGED_STEP * intrinsic_from_beckmann(alpha);
             (step > bridged).then(|| format!("flakes of roughness {alpha} bridge ({bridged:.5})"))
         }
+        // Normals between texels lie between the steps.
+        Structure::NdfMaps(_) => None,
         Structure::Bins(_) | Structure::Pyramid { .. } => None,
     };
     if let Some(finer) = finer {

@@ -67,7 +67,9 @@ pub(super) fn read(
     }
     let interpolation = arguments.interpolate.unwrap_or(match instance.structure {
         Structure::Surface { interpolation } => interpolation,
-        Structure::Lobes(_) | Structure::MipLobes(_) => Interpolation::Linear,
+        Structure::Lobes(_) | Structure::MipLobes(_) | Structure::NdfMaps(_) => {
+            Interpolation::Linear
+        }
         Structure::Bins(_) | Structure::Pyramid { .. } | Structure::Clusters { .. } => {
             Interpolation::None
         }

@@ -1,7 +1,9 @@
-//! `sample`: a generated normal map as a PNG.
+//! `sample`: a generated normal map as a PNG, or a noise map as PNG or EXR.
+
+mod noise_map;
 
 use super::paths;
-use crate::args::SampleArgs;
+use crate::args::{SampleArgs, SampleKind};
 use crate::exit::{CommandError, Failure};
 use crate::output::Console;
 use crate::picture::png;
@@ -13,9 +15,13 @@ use serde_json::json;
 /// # Errors
 /// [`Failure::Usage`] for options out of range, [`Failure::Output`] if the file cannot be written.
 pub fn run(arguments: &SampleArgs, console: &Console) -> Result<(), CommandError> {
+    let SampleKind::Map(kind) = arguments.kind else {
+        return noise_map::run(arguments, console);
+    };
+    noise_map::refuse_options(arguments)?;
     paths::check(None, &[("--output", &arguments.output)])?;
     let progress = console.progress("generating");
-    let defaults = Options::new(arguments.kind, 1);
+    let defaults = Options::new(kind, 1);
     let (width, height) = arguments.size;
     let options = Options {
         width,
@@ -25,7 +31,7 @@ pub fn run(arguments: &SampleArgs, console: &Console) -> Result<(), CommandError
         roughness: arguments.roughness.unwrap_or(defaults.roughness),
         density: arguments.density.unwrap_or(defaults.density),
     };
-    let sample = generate(arguments.kind, &options)
+    let sample = generate(kind, &options)
         .map_err(|error| CommandError::new(Failure::Usage, error.to_string()))?;
     progress.set_message("writing");
     match arguments.bits {
@@ -36,7 +42,7 @@ pub fn run(arguments: &SampleArgs, console: &Console) -> Result<(), CommandError
     let path = arguments.output.display();
     console.line(format_args!(
         "{path}: {} {width} x {height}, seed {}, {} bit, OpenGL green",
-        arguments.kind.name(),
+        kind.name(),
         arguments.seed,
         arguments.bits
     ));
@@ -44,7 +50,7 @@ pub fn run(arguments: &SampleArgs, console: &Console) -> Result<(), CommandError
         "bits": arguments.bits,
         "density": options.density,
         "height": height,
-        "kind": arguments.kind.name(),
+        "kind": kind.name(),
         "output": path.to_string(),
         "roughness": options.roughness,
         "scale": options.scale,

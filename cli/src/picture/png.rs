@@ -36,14 +36,38 @@ pub fn write_rgb16(
     height: u32,
     pixels: &[u16],
 ) -> Result<(), CommandError> {
+    write_words(path, width, height, pixels, ExtendedColorType::Rgb16)
+}
+
+/// As [`write_rgb16`], with a fourth channel.
+///
+/// # Errors
+/// As [`write_rgb8`].
+///
+/// # Panics
+/// If `pixels` has not four samples a pixel.
+pub fn write_rgba16(
+    path: &Path,
+    width: u32,
+    height: u32,
+    pixels: &[u16],
+) -> Result<(), CommandError> {
+    write_words(path, width, height, pixels, ExtendedColorType::Rgba16)
+}
+
+fn write_words(
+    path: &Path,
+    width: u32,
+    height: u32,
+    pixels: &[u16],
+    kind: ExtendedColorType,
+) -> Result<(), CommandError> {
     // The encoder takes samples in the machine's order and swaps them itself.
     let bytes: Vec<u8> = pixels
         .iter()
         .flat_map(|sample| sample.to_ne_bytes())
         .collect();
-    write(path, |output| {
-        encode(output, width, height, &bytes, ExtendedColorType::Rgb16)
-    })
+    write(path, |output| encode(output, width, height, &bytes, kind))
 }
 
 fn write(

@@ -3,6 +3,7 @@
 mod leaves;
 mod lobes;
 mod mip_lobes;
+pub mod ndf_maps;
 mod surface;
 
 use glintbake_bake::normals::NormalMap;
@@ -23,7 +24,8 @@ const INSETS: [f64; 4] = [0.25, 1.0 / 64.0, 1.0 / 1024.0, 1.0 / 65_536.0];
 /// bins is that of the original map; a model of each texel's own normal is not. Of a pyramid the means of its level 0, to
 /// what they are stored in; `None` if it begins above that, for then it holds no texel's normal. Of a cluster tree the normals of
 /// its leaves, and of lobes, one a texel, theirs, which are what they answer for; `None` of four a texel, which lie between texels. Of a surface the normals
-/// themselves, and of MIP lobes those of every texel of the quilted surface.
+/// themselves, of MIP lobes those of every texel of the quilted surface, and of NDF maps the example, if the surface is nothing but
+/// copies of it side by side.
 ///
 /// # Errors
 /// If sections are missing or damaged, or a bin holds no direction.
@@ -41,6 +43,7 @@ pub fn normal_map(
         }
         Structure::Lobes(_) => None,
         Structure::MipLobes(_) => Some(mip_lobes::from_sample(container, instance)?),
+        Structure::NdfMaps(_) => ndf_maps::plain(container, instance)?,
         Structure::Surface { .. } => Some(surface::from_surface(container, instance)?),
     };
     let Instance {

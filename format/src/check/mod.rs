@@ -13,6 +13,7 @@ mod lobes;
 mod masking;
 mod material;
 mod mip_lobes;
+mod ndf_maps;
 mod pyramid;
 mod surface;
 
@@ -37,6 +38,7 @@ pub fn structure(container: &Container<'_>, report: &mut dyn FnMut(Finding)) {
                     Structure::Clusters { .. } => clusters::check(container, &instance, report),
                     Structure::Lobes(_) => lobes::check(container, &instance, report),
                     Structure::MipLobes(_) => mip_lobes::check(container, &instance, report),
+                    Structure::NdfMaps(_) => ndf_maps::check(container, &instance, report),
                     Structure::Surface { .. } => {
                         box_pyramid::check(container, &instance, report);
                         surface::check(container, &instance, report);

@@ -18,6 +18,8 @@ pub enum Method {
     Analytic = 6,
     /// Clustered Gaussian lobes, level by level, over a surface quilted from a sample \[TZX22\].
     MipLobes = 7,
+    /// Images of the NDFs of the tiles of a tiny example, whose copies make up the surface \[XTXW24\].
+    NdfMaps = 8,
 }
 
 /// Every method this version knows, in order of its code.
@@ -29,6 +31,7 @@ pub const METHODS: &[Method] = &[
     Method::Lobes,
     Method::Analytic,
     Method::MipLobes,
+    Method::NdfMaps,
 ];
 
 impl Method {
@@ -57,6 +60,7 @@ impl Method {
             Self::Lobes => "lobes",
             Self::Analytic => "analytic",
             Self::MipLobes => "mip-lobes",
+            Self::NdfMaps => "ndf-maps",
         }
     }
 
@@ -66,7 +70,9 @@ impl Method {
         match self {
             Self::FlakeBins | Self::ClusterTree => Kernel::Beckmann,
             Self::SpecularBins => Kernel::BinAverage,
-            Self::Lean | Self::Lobes | Self::Analytic | Self::MipLobes => Kernel::Disk,
+            Self::Lean | Self::Lobes | Self::Analytic | Self::MipLobes | Self::NdfMaps => {
+                Kernel::Disk
+            }
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::finding::{Fault, Finding};
 use crate::model::{
     BinGrid, Binning, BoxPyramidLayout, ClusterLayout, Filter, Interpolation, Kernel, LobeLattice,
-    Method, MipLayout, PyramidLayout, QuiltLayout, Wrap,
+    Method, MipLayout, NdfMapLayout, NdfPixels, PyramidLayout, QuiltLayout, Wrap,
 };
 use crate::records::INSTANCES;
 use crate::section::SectionId;
@@ -125,9 +125,11 @@ pub struct InstanceRecord {
     pub first_level: u8,
     /// 57: blocks of sixteen lobes of each cell, from 1; 0 without clustered lobes.
     pub cell_blocks: u8,
-    /// 58: zero.
-    pub reserved: [u8; 2],
-    /// 60: columns and rows of the sample; 0 without a quilt.
+    /// 58: how pixels of NDF images are read; 0 without these.
+    pub ndf_pixels: u8,
+    /// 59: of NDF maps, 1 if copies are scattered, plus 2 if their scale changes slopes; else 0.
+    pub ndf_copies: u8,
+    /// 60: columns and rows of the sample, or of the example; 0 without either.
     pub sample: [U16; 2],
 }
 
@@ -170,6 +172,8 @@ pub enum Structure {
     Lobes(LobeLattice),
     /// Clustered lobes of position and normal, level by level, of a map or of a surface quilted from a sample.
     MipLobes(MipLayout),
+    /// Images of the NDFs of the tiles of an example, and how its copies make up the surface.
+    NdfMaps(NdfMapLayout),
     /// The normals themselves, under a box pyramid over the squares between them.
     Surface {
         /// How normals continue between texels.
@@ -296,7 +300,8 @@ impl Instance {
             grid_log: 0,
             first_level: 0,
             cell_blocks: 0,
-            reserved: [0; 2],
+            ndf_pixels: 0,
+            ndf_copies: 0,
             sample: [U16::ZERO; 2],
         };
         match self.structure {
@@ -341,6 +346,12 @@ impl Instance {
                     },
                 }
             }
+            Structure::NdfMaps(layout) => InstanceRecord {
+                ndf_pixels: layout.pixels as u8,
+                ndf_copies: u8::from(layout.is_scattered) | (u8::from(layout.scales_slopes) << 1),
+                sample: [U16::new(layout.example() as u16); 2],
+                ..record
+            },
             Structure::Surface { interpolation } => InstanceRecord {
                 interpolation: interpolation as u8,
                 ..record
@@ -398,6 +409,7 @@ impl Instance {
                 (other, _) => return Err(field.values(1, u64::from(other))),
             },
             Method::MipLobes => Structure::MipLobes(mip_of(record, [width, height], field)?),
+            Method::NdfMaps => Structure::NdfMaps(ndf_maps_of(record, [width, height], field)?),
             Method::Analytic => Structure::Surface {
                 interpolation: Interpolation::from_code(record.interpolation)
                     .ok_or(field.values(2, u64::from(record.interpolation)))?,
@@ -443,6 +455,30 @@ fn mip_of(record: &InstanceRecord, size: [u32; 2], field: Finding) -> Result<Mip
         Ok(layout)
     } else {
         Err(field.values(1, u64::from(record.first_level)))
+    }
+}
+
+/// The NDF maps of `record`, of a surface of `size` texels; `field` is the finding if there are none such.
+fn ndf_maps_of(
+    record: &InstanceRecord,
+    size: [u32; 2],
+    field: Finding,
+) -> Result<NdfMapLayout, Finding> {
+    let example = record.sample.map(|side| u32::from(side.get()));
+    let pixels = NdfPixels::from_code(record.ndf_pixels)
+        .ok_or(field.values(1, u64::from(record.ndf_pixels)))?;
+    let layout = NdfMapLayout {
+        size: size[0],
+        example_log: example[0].trailing_zeros().min(31) as u8,
+        pixels,
+        is_scattered: record.ndf_copies & 1 == 1,
+        scales_slopes: record.ndf_copies & 2 == 2,
+    };
+    let is_square = size[0] == size[1] && example == [layout.example(); 2];
+    if is_square && layout.is_sound() {
+        Ok(layout)
+    } else {
+        Err(field.values(u64::from(layout.example()), u64::from(example[0])))
     }
 }
 

@@ -9,6 +9,7 @@ mod lobes;
 mod masking;
 mod material;
 mod mip_lobes;
+mod ndf_maps;
 mod pyramid;
 mod raster;
 mod surface;
@@ -29,6 +30,7 @@ pub use material::{
     LayerKind, LayerNormals, LayerRecord, MAX_LAYERS, MaterialLayer, OpacityLayout,
 };
 pub use mip_lobes::MipBlock;
+pub use ndf_maps::{NdfCopy, NdfImage, NdfMapRoot, pack_ndf, unpack_ndf};
 pub use pyramid::{NarrowMean, SpreadRecord, WideMean};
 pub use raster::{RASTER_SIDE, RasterBlock, RasterLattice, pack_raster, unpack_raster};
 pub use surface::SurfaceNormal;
@@ -115,6 +117,18 @@ pub const QUILT_CUTS: FourCc = FourCc(*b"QCUT");
 pub const MIP_INDEX: FourCc = FourCc(*b"MLIX");
 /// Clustered lobes, sixteen a block.
 pub const MIP_BLOCKS: FourCc = FourCc(*b"MLOB");
+/// What the images of NDF maps and the copies of their example have in common.
+pub const NDF_ROOT: FourCc = FourCc(*b"NDFR");
+/// Where the NDF image of each tile lies, level by level, each level row by row, and that of the surface.
+pub const NDF_IMAGES: FourCc = FourCc(*b"NDFI");
+/// Pixels of NDF images.
+pub const NDF_PIXELS: FourCc = FourCc(*b"NDFP");
+/// Copies of the example, cell by cell of the grid of their centres.
+pub const NDF_COPIES: FourCc = FourCc(*b"NDFC");
+/// Copies that may hide parts of a copy, copy by copy; absent if there are none.
+pub const NDF_NEIGHBOURS: FourCc = FourCc(*b"NDFN");
+/// For each cell of the grid its first copy, row by row, and the number of copies at the end; absent if copies are not scattered.
+pub const NDF_GRID: FourCc = FourCc(*b"NDFG");
 
 /// The layers of a material, the top first.
 pub const MATERIAL: FourCc = FourCc(*b"MATL");
@@ -165,6 +179,12 @@ const KINDS: &[(FourCc, &[u32])] = &[
     (QUILT_CUTS, &[1]),
     (MIP_INDEX, &[4]),
     (MIP_BLOCKS, &[512]),
+    (NDF_ROOT, &[64]),
+    (NDF_IMAGES, &[16]),
+    (NDF_PIXELS, &[2]),
+    (NDF_COPIES, &[24]),
+    (NDF_NEIGHBOURS, &[4]),
+    (NDF_GRID, &[4]),
     (MATERIAL, &[64]),
     (OPACITY, &[1]),
 ];

@@ -11,6 +11,7 @@ mod flake_bins;
 mod lean;
 mod lobes;
 mod mip_lobes;
+mod ndf_maps;
 mod specular_bins;
 
 pub use analytic::{Analytic, GlobalNdf, TriangleForm};
@@ -21,6 +22,7 @@ pub use flake_bins::{FlakeBins, Setting};
 pub use lean::{Lean, Lobe};
 pub use lobes::Lobes;
 pub use mip_lobes::MipLobes;
+pub use ndf_maps::NdfMaps;
 pub use specular_bins::SpecularBins;
 
 use crate::error::QueryError;
@@ -143,6 +145,8 @@ pub enum SurfaceNdf<'a> {
     Analytic(Analytic<'a>),
     /// Clustered lobes of the levels of a quilted surface, \[TZX22\].
     MipLobes(MipLobes<'a>),
+    /// NDF images of the tiles of an example, whose copies make up the surface, \[XTXW24\].
+    NdfMaps(NdfMaps<'a>),
 }
 
 impl<'a> SurfaceNdf<'a> {
@@ -159,6 +163,7 @@ impl<'a> SurfaceNdf<'a> {
             Method::Lobes => Self::Lobes(Lobes::open(container, instance)?),
             Method::Analytic => Self::Analytic(Analytic::open(container, instance)?),
             Method::MipLobes => Self::MipLobes(MipLobes::open(container, instance)?),
+            Method::NdfMaps => Self::NdfMaps(NdfMaps::open(container, instance)?),
         })
     }
 
@@ -176,6 +181,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::Lobes(_) => Err(QueryError::SettingUnsupported(Method::Lobes)),
             Self::Analytic(_) => Err(QueryError::SettingUnsupported(Method::Analytic)),
             Self::MipLobes(_) => Err(QueryError::SettingUnsupported(Method::MipLobes)),
+            Self::NdfMaps(_) => Err(QueryError::SettingUnsupported(Method::NdfMaps)),
         }
     }
 
@@ -189,7 +195,8 @@ impl<'a> SurfaceNdf<'a> {
             | Self::Lean(_)
             | Self::ClusterTree(_)
             | Self::Lobes(_)
-            | Self::MipLobes(_) => "default",
+            | Self::MipLobes(_)
+            | Self::NdfMaps(_) => "default",
             Self::Analytic(ndf) => ndf.form().name(),
         }
     }
@@ -198,7 +205,7 @@ impl<'a> SurfaceNdf<'a> {
     /// was baked alone.
     pub const fn roughness_range(method: Method) -> Option<[f64; 2]> {
         match method {
-            Method::FlakeBins | Method::SpecularBins | Method::Lean => None,
+            Method::FlakeBins | Method::SpecularBins | Method::Lean | Method::NdfMaps => None,
             Method::ClusterTree => Some(ClusterTree::ROUGHNESS),
             Method::Lobes => Some(Lobes::ROUGHNESS),
             Method::Analytic => Some(Analytic::ROUGHNESS),
@@ -220,6 +227,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::Lobes(ndf) => ndf.with_roughness(alpha).map(Self::Lobes),
             Self::Analytic(ndf) => ndf.with_roughness(alpha).map(Self::Analytic),
             Self::MipLobes(ndf) => ndf.with_roughness(alpha).map(Self::MipLobes),
+            Self::NdfMaps(_) => Err(QueryError::SettingUnsupported(Method::NdfMaps)),
         }
     }
 
@@ -249,6 +257,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::Lobes(ndf) => *ndf = ndf.with_filter(filter),
             Self::Analytic(ndf) => ndf.filter = filter,
             Self::MipLobes(ndf) => *ndf = ndf.with_filter(filter),
+            Self::NdfMaps(ndf) => *ndf = ndf.with_filter(filter),
         }
         self
     }
@@ -272,7 +281,8 @@ impl<'a> SurfaceNdf<'a> {
             | Self::ClusterTree(_)
             | Self::Lobes(_)
             | Self::Analytic(_)
-            | Self::MipLobes(_) => {}
+            | Self::MipLobes(_)
+            | Self::NdfMaps(_) => {}
         }
         self
     }
@@ -287,6 +297,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::Lobes(ndf) => ndf.filter(),
             Self::Analytic(ndf) => ndf.filter(),
             Self::MipLobes(ndf) => ndf.filter(),
+            Self::NdfMaps(ndf) => ndf.filter(),
         }
     }
 
@@ -299,6 +310,7 @@ impl<'a> SurfaceNdf<'a> {
             Self::Lobes(ndf) => ndf,
             Self::Analytic(ndf) => ndf,
             Self::MipLobes(ndf) => ndf,
+            Self::NdfMaps(ndf) => ndf,
         }
     }
 }

@@ -9,6 +9,7 @@ mod clip;
 mod gaussian;
 mod outline;
 mod placement;
+mod polygon;
 mod probe;
 mod rows;
 mod squares;
@@ -16,6 +17,7 @@ mod squares;
 pub(crate) use gaussian::{GaussianFootprint, GaussianRow, LOST, RADIUS};
 pub(crate) use outline::{CoveredRow, Outline};
 pub(crate) use placement::{EVEN_TILES, Placement};
+pub(crate) use polygon::Polygon;
 pub(crate) use probe::{Probe, Relation};
 pub(crate) use squares::SquareProbe;
 

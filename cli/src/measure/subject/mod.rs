@@ -12,6 +12,7 @@ mod lean;
 mod limits;
 mod lobes;
 mod mip_lobes;
+mod ndf_maps;
 mod specular_bins;
 
 pub use chart::Chart;
@@ -22,7 +23,9 @@ use glintbake_bake::MethodRecipe;
 use glintbake_bake::normals::NormalMap;
 use glintbake_bake::oracle::{TexelWeight, texel_weights};
 use glintbake_format::model::{Filter, Footprint, HalfVector, Interpolation, Kernel, Method};
-use glintbake_runtime::{Accuracy, Instance, QueryError, Setting, SurfaceNdf, TriangleForm};
+use glintbake_runtime::{
+    Accuracy, Instance, NdfMaps, QueryError, Setting, SurfaceNdf, TriangleForm,
+};
 use std::f64::consts::PI;
 
 /// Every method, in the order of its code.
@@ -34,6 +37,7 @@ pub const REGISTRY: &[&dyn Subject] = &[
     &lobes::Lobes,
     &analytic::Analytic,
     &mip_lobes::MipLobes,
+    &ndf_maps::NdfMaps,
 ];
 
 /// The subject of `method`.
@@ -232,8 +236,8 @@ pub struct Variant {
     pub recipe: MethodRecipe,
     /// The setting of queries, if the method has any.
     pub setting: Option<Setting>,
-    /// The tolerance of Gaussian footprints, the eps of `cluster-tree`, the reach of `analytic`, or the level bias
-    /// of `mip-lobes`, if it is not the default.
+    /// The tolerance of Gaussian footprints, the eps of `cluster-tree`, the reach of `analytic`, the level bias
+    /// of `mip-lobes`, or the tolerance of `ndf-maps`, if it is not the default.
     pub tolerance: Option<f64>,
 }
 
@@ -281,6 +285,10 @@ impl Variant {
             (SurfaceNdf::MipLobes(ndf), bias) => {
                 let ndf = ndf.with_levels_by_area(self.is_paper);
                 SurfaceNdf::MipLobes(ndf.with_level_bias(bias.unwrap_or(0.0))?)
+            }
+            (SurfaceNdf::NdfMaps(ndf), tolerance) => {
+                let tolerance = tolerance.unwrap_or(NdfMaps::DEFAULT_TOLERANCE);
+                SurfaceNdf::NdfMaps(ndf.with_tolerance(tolerance)?)
             }
             (SurfaceNdf::Analytic(ndf), reach) => {
                 let ndf = reach.map_or(ndf, |reach| ndf.with_reach(reach));
@@ -372,7 +380,9 @@ mod tests {
             assert_eq!(subjects.count(), 1, "{}", method.name());
             for filter in [Filter::Box, Filter::Gaussian] {
                 let variants = find(method).variants(filter);
-                let answers = filter == Filter::Gaussian || default_filter(method) == filter;
+                let has_one = matches!(method, Method::NdfMaps);
+                let answers =
+                    default_filter(method) == filter || (filter == Filter::Gaussian && !has_one);
                 assert_eq!(!variants.is_empty(), answers, "{}", method.name());
                 for (place, variant) in variants.iter().enumerate() {
                     let before = &variants[..place];

@@ -20,6 +20,7 @@ mod surface;
 
 pub use global::GlobalNdf;
 pub use integral::TriangleForm;
+pub(super) use integral::{Shape, mean};
 
 use super::bin_weights::check_finite;
 use super::{Facet, Ndf};

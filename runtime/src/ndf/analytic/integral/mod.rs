@@ -37,7 +37,7 @@ impl TriangleForm {
 
 /// The outline of a piece with two edges from a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Shape {
+pub(in crate::ndf) enum Shape {
     Triangle,
     Parallelogram,
 }
@@ -48,7 +48,7 @@ pub(super) enum Shape {
 /// pieces that are no slivers beyond it, by 16 nodes at most for small ones (20 to 60 ns), else after [`whiten::whiten`] by
 /// [`wedge::share`].
 #[inline]
-pub(super) fn mean(
+pub(in crate::ndf) fn mean(
     corner: Point,
     edges: [Point; 2],
     shape: Shape,
