@@ -12,8 +12,8 @@ use glintbake_format::records::InverseKind;
 use glintbake_runtime::microfacet::{brdf, fresnel::Fresnel};
 use glintbake_runtime::ndf::Lookup;
 use glintbake_runtime::{
-    Accuracy, Analytic, ClusterTree, FlakeBins, Lobes, MipLobes, Ndf, Package, QueryError, Setting,
-    SurfaceNdf, TriangleForm,
+    Accuracy, Analytic, ClusterTree, FlakeBins, Lobes, MipLobes, Ndf, NdfMaps, Package, QueryError,
+    Setting, SurfaceNdf, TriangleForm,
 };
 
 /// Instances of one package that are asked.
@@ -89,6 +89,7 @@ fn variants(ndf: SurfaceNdf<'_>) -> Vec<SurfaceNdf<'_>> {
         SurfaceNdf::Lobes(ndf) => return of_lobes(ndf),
         SurfaceNdf::Analytic(ndf) => return of_surface(ndf),
         SurfaceNdf::MipLobes(ndf) => return of_levels(ndf),
+        SurfaceNdf::NdfMaps(ndf) => return of_images(ndf),
         _ => {}
     }
     let mut variants = vec![ndf];
@@ -161,6 +162,13 @@ fn of_levels(ndf: MipLobes<'_>) -> Vec<SurfaceNdf<'_>> {
     [ndf, needle, ndf.with_levels_by_area(true), below, above]
         .map(SurfaceNdf::MipLobes)
         .into()
+}
+
+/// Images under boxes, with tiles divided where it matters, and nowhere.
+fn of_images(ndf: NdfMaps<'_>) -> Vec<SurfaceNdf<'_>> {
+    let boxes = ndf.with_filter(Filter::Box);
+    let undivided = boxes.with_tolerance(1e6).expect("in range");
+    [boxes, undivided].map(SurfaceNdf::NdfMaps).into()
 }
 
 /// What finds the texels of a bin of `ndf`.

@@ -1,7 +1,7 @@
 //! Maps, packages and queries for tests and benchmarks.
 
 use glintbake_bake::normals::NormalMap;
-use glintbake_bake::{MethodRecipe, QuiltRecipe, Recipe, bake};
+use glintbake_bake::{MethodRecipe, NdfMapRecipe, QuiltRecipe, Recipe, bake};
 use glintbake_cli::measure::plan::Shape;
 use glintbake_format::model::{
     Filter, Footprint, HalfVector, Interpolation, LobeLattice, Method, Wrap,
@@ -96,6 +96,15 @@ pub fn mip_package(
         ..MethodRecipe::new(Method::MipLobes, roughness)
     };
     package(map, recipe)
+}
+
+/// The bytes of `example` baked for `ndf-maps` by `asked`, for each roughness.
+pub fn ndf_maps_package(example: &NormalMap, asked: NdfMapRecipe, roughness: &[f64]) -> Vec<u8> {
+    let recipe = MethodRecipe {
+        ndf_maps: Some(asked),
+        ..MethodRecipe::new(Method::NdfMaps, roughness)
+    };
+    package(example, recipe)
 }
 
 /// A map of which the left half is flakes and the right noise, above its last rows of waves: cluster trees store leaves of

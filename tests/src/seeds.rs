@@ -5,8 +5,9 @@ use crate::lies::{reseal, section_range};
 use crate::materials::{Layer, material};
 use crate::naive_lists;
 use crate::small_surfaces;
+use glintbake_bake::noise::{NoiseOptions, Transform, generate};
 use glintbake_bake::normals::NormalMap;
-use glintbake_bake::{MethodRecipe, QuiltRecipe};
+use glintbake_bake::{MethodRecipe, NdfCopies, NdfMapRecipe, QuiltRecipe};
 use glintbake_format::model::Interpolation::{CatmullRom, Linear, None as Constant};
 use glintbake_format::model::{Kernel, LobeLattice, Method, Wrap};
 use glintbake_format::records::InverseKind::{self, Forest, None as NoInverse, Tiles};
@@ -14,6 +15,7 @@ use glintbake_format::{Container, SectionEntry};
 use glintbake_samples::Kind;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A file of the corpus.
 #[derive(Clone, Debug)]
@@ -171,6 +173,28 @@ fn mip(map: &NormalMap, quilt: Option<QuiltRecipe>) -> Vec<u8> {
     package(map, recipe)
 }
 
+/// Images of an example of four texels a side, tiled or scattered.
+fn copies(instances: Option<u32>) -> Vec<u8> {
+    let example = sample_map(Kind::Waves, 2, 2, 5, Wrap::Repeat);
+    let copies = match instances {
+        None => NdfCopies::Tiled(Transform::default()),
+        Some(count) => {
+            let noise = generate(&NoiseOptions::new(count, 3));
+            NdfCopies::Scattered(Arc::new(noise.expect("in range")))
+        }
+    };
+    let recipe = MethodRecipe {
+        ndf_maps: Some(NdfMapRecipe {
+            size: Some(8),
+            copies,
+            ..NdfMapRecipe::default()
+        }),
+        masking: false,
+        ..MethodRecipe::new(Method::NdfMaps, &[0.3])
+    };
+    package(&example, recipe)
+}
+
 fn sound() -> Vec<(&'static str, Vec<u8>)> {
     let repeat = sample_map(Kind::Flakes, 9, 7, 5, Wrap::Repeat);
     let clamp = sample_map(Kind::Noise, 7, 8, 2, Wrap::Clamp);
@@ -211,6 +235,8 @@ fn sound() -> Vec<(&'static str, Vec<u8>)> {
         ("lobes-one-texel", lobes(&texel, true, 1, 0.5)),
         ("mip-lobes", mip(&repeat, None)),
         ("mip-lobes-quilted", all_of_a_quilt()),
+        ("ndf-maps", copies(None)),
+        ("ndf-maps-scattered", copies(Some(12))),
         (
             "surface",
             small_surfaces::package(&repeat, Linear, &[0.1, 0.01]),

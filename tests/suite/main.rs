@@ -21,6 +21,7 @@ mod lobes;
 mod masked_brdf;
 mod masking;
 mod mip_lobes;
+mod ndf_maps;
 mod opening;
 mod raster_normals;
 mod report;

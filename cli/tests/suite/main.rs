@@ -23,6 +23,7 @@ mod lean;
 mod lobes;
 mod materials;
 mod mip_lobes;
+mod ndf_maps;
 mod outputs;
 mod query;
 mod report;

@@ -4,8 +4,9 @@ use super::*;
 use glintbake_format::records::{
     BLOCKED_BIN_MAP, FINE_STARTS, GLOBAL_NDF, GLOBAL_ROOT, INDEX, LEAVES, LIST_BLOCKS, LIST_COUNTS,
     LIST_KEYS, LIST_TILES, LISTS, LOBE_INDEX, LOBE_MOMENTS, LOBE_SPREADS, LOBES, MASKING, MEANS,
-    MIP_BLOCKS, MIP_INDEX, NODES, NORMALS, PAGES, PYRAMID_NODES, PYRAMID_ROOT, QUILT_CUTS,
-    QUILT_ORIGINS, ROOTS, SPREADS, WIDE_LOBES,
+    MIP_BLOCKS, MIP_INDEX, NDF_COPIES, NDF_GRID, NDF_IMAGES, NDF_NEIGHBOURS, NDF_PIXELS, NDF_ROOT,
+    NODES, NORMALS, PAGES, PYRAMID_NODES, PYRAMID_ROOT, QUILT_CUTS, QUILT_ORIGINS, ROOTS, SPREADS,
+    WIDE_LOBES,
 };
 
 /// Section, instance, what is written everywhere in it, and the fault at least one place must be found under.
@@ -351,6 +352,50 @@ fn lies_in_quilts_are_found_by_structure_alone_and_survived_by_queries() {
             (58, 1, Fault::ReservedNotZero),
             (60, 8, Fault::InstanceField),
             (24, 7, Fault::ReservedNotZero),
+        ],
+    );
+}
+
+#[test]
+fn lies_in_copies_are_found_by_structure_alone_and_survived_by_queries() {
+    let sound = small_copies();
+    let number = |x: f64| x.to_le_bytes().to_vec();
+    let cases: [Lie; 16] = [
+        (
+            NORMALS,
+            1,
+            1.1_f32.to_le_bytes().to_vec(),
+            Fault::SurfaceNormal,
+        ),
+        (NDF_ROOT, 1, number(f64::NAN), Fault::NdfRoot),
+        (NDF_ROOT, 1, number(0.0), Fault::NdfRoot),
+        (NDF_ROOT, 1, number(1e9), Fault::NdfRoot),
+        (NDF_IMAGES, 1, vec![0xFF; 4], Fault::NdfImage),
+        (NDF_IMAGES, 1, vec![0x00, 0x00, 0x00, 0x7F], Fault::NdfImage),
+        (NDF_IMAGES, 1, vec![0x00; 16], Fault::NdfImage),
+        (NDF_PIXELS, 1, vec![0x01, 0x00], Fault::NdfPixel),
+        (NDF_COPIES, 1, vec![0xFF; 4], Fault::NdfCopy),
+        (NDF_COPIES, 1, vec![0x00; 24], Fault::NdfCopy),
+        (NDF_COPIES, 1, vec![0xFF; 24], Fault::NdfCopy),
+        (NDF_COPIES, 1, vec![0xFF; 24], Fault::NdfNeighbour),
+        (NDF_NEIGHBOURS, 1, vec![0xFF; 4], Fault::NdfNeighbour),
+        (NDF_GRID, 1, vec![0xFF; 4], Fault::NdfGrid),
+        (NDF_GRID, 1, vec![0x01, 0x00, 0x00, 0x00], Fault::NdfGrid),
+        (NDF_GRID, 1, vec![0x00; 4], Fault::NdfGrid),
+    ];
+    every_lie_is_found_and_survived(&sound, &cases);
+    every_lie_in_a_record_is_refused(
+        &sound,
+        &[
+            (8, 12, Fault::InstanceField),
+            (12, 12, Fault::InstanceField),
+            (24, 7, Fault::ReservedNotZero),
+            (58, 0, Fault::InstanceField),
+            (58, 3, Fault::InstanceField),
+            (59, 4, Fault::ReservedNotZero),
+            (60, 3, Fault::InstanceField),
+            (60, 64, Fault::InstanceField),
+            (62, 8, Fault::InstanceField),
         ],
     );
 }

@@ -3,7 +3,8 @@
 mod lies;
 mod materials;
 
-use glintbake_bake::{MethodRecipe, QuiltRecipe};
+use glintbake_bake::noise::{NoiseOptions, generate};
+use glintbake_bake::{MethodRecipe, NdfCopies, NdfMapRecipe, QuiltRecipe};
 use glintbake_format::model::{
     Filter, Footprint, HalfVector, Interpolation, LobeLattice, Method, Neighbourhood, Wrap,
 };
@@ -19,6 +20,7 @@ use glintbake_tests::fixtures::{
 use glintbake_tests::lies::{reseal, section_range};
 use glintbake_tests::{naive_lists, small_surfaces};
 use proptest::prelude::*;
+use std::sync::Arc;
 
 /// A small package with every kind of section of a forest: dense and sparse index, exact normals, masking.
 fn small_package() -> Vec<u8> {
@@ -101,6 +103,23 @@ fn small_quilt() -> Vec<u8> {
     package(&map, recipe)
 }
 
+/// A small package of scattered copies of which some hide parts of others.
+fn small_copies() -> Vec<u8> {
+    let example = sample_map(Kind::Waves, 4, 4, 5, Wrap::Repeat);
+    let noise = generate(&NoiseOptions::new(24, 3)).expect("in range");
+    let asked = NdfMapRecipe {
+        size: Some(16),
+        copies: NdfCopies::Scattered(Arc::new(noise)),
+        ..NdfMapRecipe::default()
+    };
+    let recipe = MethodRecipe {
+        ndf_maps: Some(asked),
+        masking: false,
+        ..MethodRecipe::new(Method::NdfMaps, &[0.3])
+    };
+    package(&example, recipe)
+}
+
 #[test]
 fn a_sound_package_has_no_findings() {
     let map = sample_map(Kind::Noise, 40, 33, 5, Wrap::Clamp);
@@ -113,6 +132,7 @@ fn a_sound_package_has_no_findings() {
         small_lobes(),
         small_surface(),
         small_quilt(),
+        small_copies(),
         lobes_package(&map, lattice(true, 2), &[1.0, 0.0001]),
         lobes_package(&map, lattice(false, 1), &[0.01]),
         surface_package(&map, Interpolation::Linear, &[1.0, 0.0001]),
