@@ -325,7 +325,11 @@ fn a_sampler_that_hides_what_a_setting_loses_is_found() {
         variants.map(move |variant| (subject, variant))
     });
     let mut seen = 0;
-    for (subject, variant) in lossy.filter(|(_, variant)| variant.is_paper) {
+    // Kernels on the disk lose what crosses its rim, which is no lie.
+    let is_lossy = |(subject, variant): &(&dyn Subject, Variant)| {
+        variant.is_paper && subject.loss(variant).is_some()
+    };
+    for (subject, variant) in lossy.filter(is_lossy) {
         let outcomes = outcomes_of(subject, &map("noise"), &variant, Lie::NeverNothing);
         assert!(failed(&outcomes).contains(&"sampling"), "{outcomes:#?}");
         seen += 1;

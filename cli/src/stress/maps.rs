@@ -51,7 +51,7 @@ pub fn built_in(quick: bool) -> Vec<NamedMap> {
         ),
         named(
             // An example for copies, which need a square of a power of two.
-            "waves 16x16",
+            "example 16x16",
             sample(Kind::Waves, [16, 16], 5, Wrap::Repeat),
         ),
         named(
