@@ -204,8 +204,14 @@ fn map_for(subject: &dyn Subject, name: &str) -> NamedMap {
     NamedMap { map, ..named }
 }
 
-/// What comes of every check of `subject` baked from `map`, its answers falsified by `lie`.
-fn outcomes_of(subject: &dyn Subject, map: &NamedMap, variant: &Variant, lie: Lie) -> Vec<Outcome> {
+/// What comes of every check of `subject` baked from `map`, or of one alone, its answers falsified by `lie`.
+fn outcomes_of(
+    subject: &dyn Subject,
+    map: &NamedMap,
+    variant: &Variant,
+    lie: Lie,
+    only: Option<&str>,
+) -> Vec<Outcome> {
     let alpha = 0.03;
     let filter = filter_of(subject);
     let ground = Ground::new(map, filter);
@@ -239,6 +245,7 @@ fn outcomes_of(subject: &dyn Subject, map: &NamedMap, variant: &Variant, lie: Li
     };
     CHECKS
         .iter()
+        .filter(|(name, _)| only.is_none_or(|only| only == *name))
         .map(|&(name, check)| run_check(name, check, &target))
         .collect()
 }
@@ -290,7 +297,7 @@ fn every_lie_is_found_by_the_check_made_for_it() {
                 _ => name,
             };
             let variant = &variant_of(subject);
-            let outcomes = outcomes_of(subject, &map_for(subject, name), variant, lie);
+            let outcomes = outcomes_of(subject, &map_for(subject, name), variant, lie, Some(check));
             let what = format!("{} {lie:?}: {outcomes:#?}", subject.method().name());
             assert!(failed(&outcomes).contains(&check), "{what}");
             let of_check = outcomes.iter().find(|outcome| outcome.check == check);
@@ -313,7 +320,13 @@ fn every_lie_is_found_by_the_check_made_for_it() {
 fn who_does_not_lie_is_not_found() {
     for &subject in REGISTRY {
         let variant = &variant_of(subject);
-        let outcomes = outcomes_of(subject, &map_for(subject, "noise"), variant, Lie::None);
+        let outcomes = outcomes_of(
+            subject,
+            &map_for(subject, "noise"),
+            variant,
+            Lie::None,
+            None,
+        );
         assert_eq!(failed(&outcomes), [""; 0], "{outcomes:#?}");
     }
 }
@@ -330,7 +343,7 @@ fn a_sampler_that_hides_what_a_setting_loses_is_found() {
         variant.is_paper && subject.loss(variant).is_some()
     };
     for (subject, variant) in lossy.filter(is_lossy) {
-        let outcomes = outcomes_of(subject, &map("noise"), &variant, Lie::NeverNothing);
+        let outcomes = outcomes_of(subject, &map("noise"), &variant, Lie::NeverNothing, None);
         assert!(failed(&outcomes).contains(&"sampling"), "{outcomes:#?}");
         seen += 1;
     }
@@ -386,7 +399,7 @@ impl Subject for Misjudged {
 fn answers_are_held_against_the_model_of_the_method() {
     let subject = REGISTRY[0];
     let variant = &subject.variants(Filter::Box)[0];
-    let outcomes = outcomes_of(&Misjudged(subject), &map("noise"), variant, Lie::None);
+    let outcomes = outcomes_of(&Misjudged(subject), &map("noise"), variant, Lie::None, None);
     let failed = failed(&outcomes);
     assert!(
         failed.contains(&"accuracy") && failed.contains(&"energy"),

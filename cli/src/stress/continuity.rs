@@ -117,11 +117,15 @@ fn normals_beside(target: &Target<'_>, border: [f64; 2]) -> [HalfVector; 2] {
     })
 }
 
-/// Grows a footprint over all sizes at which look-ups and levels change: what the model does not explain is a pop.
+/// Grows a footprint over all sizes at which look-ups and levels change: what the model does not explain is a pop. One that may be off
+/// by the whole peak explains nothing.
 fn grow(target: &Target<'_>, bound: &Bound, recorder: &mut Recorder) {
     let Some(first) = target.growing().next() else {
         return;
     };
+    if bound.is_of_the_peak() {
+        return;
+    }
     let [s, t] = first.patch.normal_by_weight(0.5);
     let h = HalfVector { s, t };
     let peak = target.peak();

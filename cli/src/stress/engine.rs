@@ -13,8 +13,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The roughness at which settings are tightened.
 const LADDER_ROUGHNESS: f64 = 0.03;
-/// The least side of a map on which they are, in texels.
-const LADDER_SIDE: u32 = 64;
 
 /// Hears how many pieces are done, of how many.
 pub type Tick<'t> = &'t (dyn Fn(u64, u64) + Sync);
@@ -276,7 +274,7 @@ fn named(
     }
 }
 
-/// The ladders of settings of every method, on the first map that is large enough.
+/// The ladders of settings of every method, on the first map that suits it.
 fn ladders(maps: &[NamedMap], roughnesses: &[f64]) -> Vec<Outcome> {
     let mut ladders = Vec::new();
     for &subject in REGISTRY {
@@ -285,8 +283,6 @@ fn ladders(maps: &[NamedMap], roughnesses: &[f64]) -> Vec<Outcome> {
             ladders.extend(of_filter.map(|ladder| (subject, filter, ladder)));
         }
     }
-    let is_large = |named: &&NamedMap| named.map.width().min(named.map.height()) >= LADDER_SIDE;
-    let map = maps.iter().find(is_large);
     let distance = |alpha: f64| libm::fabs(libm::log(alpha / LADDER_ROUGHNESS));
     let alphas = roughnesses.iter().copied();
     let nearest = alphas.min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
@@ -294,14 +290,15 @@ fn ladders(maps: &[NamedMap], roughnesses: &[f64]) -> Vec<Outcome> {
         .par_iter()
         .map(|(subject, filter, ladder)| {
             let alpha = nearest.filter(|_| subject.is_rough());
-            let outcome = match map {
+            let suits = |named: &&NamedMap| subject.suits_ladders(&named.map);
+            let outcome = match maps.iter().find(suits) {
                 Some(map) => Outcome {
                     map: map.name.clone(),
                     ..convergence::check(*subject, ladder, *filter, map, alpha)
                 },
                 None => Outcome::skipped(
                     "convergence",
-                    format!("settings are compared on maps of {LADDER_SIDE} texels a side or more"),
+                    "settings are compared on maps of 64 texels a side or more, of ndf-maps on examples of 16 or 32",
                 ),
             };
             Outcome {

@@ -128,7 +128,10 @@ pub(super) fn filter(ndf: &(dyn Ndf + Sync), ground: &Ground<'_>) -> Outcome {
     let pole = HalfVector { s: 0.0, t: 0.0 };
     for place in &ground.places {
         every_call(ndf, &place.patch.footprint, pole, &mut recorder, |error| {
-            matches!(error, QueryError::FilterUnsupported(_))
+            matches!(
+                error,
+                QueryError::FilterUnsupported(_) | QueryError::BoxesOnly(_)
+            )
         });
     }
     recorder.finish()

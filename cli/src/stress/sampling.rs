@@ -63,10 +63,12 @@ fn directions(
 }
 
 /// Counts draws by cells and compares with the integrals of the model's pdf, or of the pdf that is put to the test if the model
-/// takes long.
+/// takes long, or is not what is answered.
 fn count(target: &Target<'_>, place: &Place<'_>, numbers: &mut Numbers, recorder: &mut Recorder) {
     let footprint = &place.patch.footprint;
-    let model = if target.is_quick(place) {
+    let is_answered = !target.bound().is_of_the_peak();
+    let is_drawn = target.subject.draws_by_model(target.variant);
+    let model = if is_drawn || is_answered && target.is_quick(place) {
         target
             .subject
             .model(target.variant, &place.patch, target.alpha())

@@ -21,6 +21,9 @@ const MOST_PIXELS: f64 = 6.7e7;
 /// The most cells of all lobes, each of which is in about 13 images and has about a hundred pixels there: ten seconds.
 const MOST_CELLS: f64 = 4e6;
 
+/// The most standard deviations between points: a tenth of a kernel may be missed, as by the settings of other papers.
+const MOST_BETWEEN_POINTS: f64 = 2.5;
+
 /// The most copies whose transformations the image of the surface is made of.
 const MOST_IN_SURFACE: usize = 512;
 
@@ -86,7 +89,10 @@ pub fn build(
             check_size(map, layout, sigma, pitch)?;
             images::splines(map, layout, sigma, pitch)
         }
-        NdfPixels::Points => images::points(map, layout, sigma, options.side),
+        NdfPixels::Points => {
+            check_points(sigma, pitch)?;
+            images::points(map, layout, sigma, options.side)
+        }
     };
     if let Some(scattered) = &scattered {
         images.push(surface(&images, layout, scattered, pitch, options));
@@ -191,6 +197,25 @@ fn check_size(
             "NDF images of normals that spread and change so much would take {:.0} MB and {cells:.1e} cells; give a greater roughness, or \
              use --method lobes",
             2e-6 * pixels
+        ),
+    })
+}
+
+/// Refuses points between which kernels would be lost.
+///
+/// The sum of a Gaussian at points `p` standard deviations apart is its integral but for `2 exp(-2π² / p²)`.
+fn check_points(sigma: f64, pitch: f64) -> Result<(), BakeError> {
+    if pitch <= MOST_BETWEEN_POINTS * sigma {
+        return Ok(());
+    }
+    let side = (2.0 / (MOST_BETWEEN_POINTS * sigma)).ceil();
+    Err(BakeError::Option {
+        option: "--ndf-pixels",
+        value: format!("{:.0}", 2.0 / pitch),
+        reason: format!(
+            "points {:.1} standard deviations of the kernel apart miss most of what they stand for; give {side:.0} or more, a greater \
+             roughness, or leave the option out for splines",
+            pitch / sigma
         ),
     })
 }

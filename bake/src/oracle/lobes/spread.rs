@@ -3,6 +3,9 @@
 use super::super::double_double::DoubleDouble;
 use core::f64::consts::PI;
 
+/// Where the exponential of less is 0 in f64.
+const LEAST_EXPONENT: f64 = 746.0;
+
 /// `J B Jᵀ` as `Σ g gᵀ`: a kernel's variance can be added to it, and the whole inverted, without any difference of
 /// large numbers.
 ///
@@ -42,8 +45,13 @@ impl Spread {
 
     /// `N(d; variance I + J B Jᵀ)`.
     pub(in crate::oracle) fn density(&self, d: [f64; 2], variance: f64) -> f64 {
+        // No direction has more variance than all together: what is farther than its exponential reaches is 0.
+        let square = d[0] * d[0] + d[1] * d[1];
+        if square > 2.0 * LEAST_EXPONENT * (variance + self.squares) {
+            return 0.0;
+        }
         let determinant = variance * (variance + self.squares) + self.determinant;
-        let mut adjugate = variance * (d[0] * d[0] + d[1] * d[1]);
+        let mut adjugate = variance * square;
         for part in &self.parts {
             let turn = part[0] * d[1] - part[1] * d[0];
             adjugate += turn * turn;

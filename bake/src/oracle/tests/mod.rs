@@ -12,6 +12,7 @@ mod kernel;
 mod lean;
 mod limits;
 mod lobes;
+mod ndf_maps;
 mod one_lobe;
 mod specular_bins;
 mod sweep;

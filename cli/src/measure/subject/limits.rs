@@ -19,6 +19,11 @@ impl Bound {
         (got - expected).abs() / expected.max(self.floor * peak)
     }
 
+    /// Whether any density up to the kernel's peak is allowed: the model then says nothing of a single one.
+    pub fn is_of_the_peak(&self) -> bool {
+        self.relative * self.floor >= 1.0
+    }
+
     /// The error allowed at `expected`, absolute.
     pub fn allowed(&self, expected: f64, peak: f64) -> f64 {
         self.relative * expected.max(self.floor * peak)

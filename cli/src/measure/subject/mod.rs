@@ -131,6 +131,13 @@ pub trait Subject: Sync {
         })
     }
 
+    /// Whether samples of `variant` are drawn by the model though answers are rougher: they are then held to it, whatever time
+    /// that takes.
+    fn draws_by_model(&self, variant: &Variant) -> bool {
+        let _ = variant;
+        false
+    }
+
     /// Coordinates in which the lobe or bin of the normal `centre` is a few units wide.
     fn chart(&self, variant: &Variant, centre: HalfVector, roughness: f64) -> Chart {
         let _ = variant;
@@ -143,6 +150,11 @@ pub trait Subject: Sync {
             Filter::Box => Vec::new(),
             Filter::Gaussian => vec![tolerance_ladder(self.variants(filter))],
         }
+    }
+
+    /// Whether errors on `map` are large enough to fall as settings tighten: most small maps have none.
+    fn suits_ladders(&self, map: &NormalMap) -> bool {
+        map.width().min(map.height()) >= 64
     }
 }
 

@@ -7,7 +7,7 @@ use glintbake_bake::normals::NormalMap;
 use glintbake_bake::oracle::ndf_maps::{Prepared, Surface};
 use glintbake_bake::{MethodRecipe, NdfMapRecipe};
 use glintbake_format::model::{
-    Filter, HalfVector, Interpolation, Method, NdfPixels, intrinsic_from_beckmann,
+    Filter, HalfVector, Interpolation, Method, NdfPixels, Wrap, intrinsic_from_beckmann,
 };
 use glintbake_format::records::Structure;
 use glintbake_format::view::Copied;
@@ -102,6 +102,11 @@ impl Subject for NdfMaps {
         None
     }
 
+    /// Normals are drawn from lobes, however coarse the images are.
+    fn draws_by_model(&self, variant: &Variant) -> bool {
+        variant.is_paper
+    }
+
     fn ladders(&self, filter: Filter) -> Vec<Ladder> {
         if filter == Filter::Gaussian {
             return Vec::new();
@@ -117,6 +122,10 @@ impl Subject for NdfMaps {
             exact: 0.02,
             slack: 1.25,
         }]
+    }
+
+    fn suits_ladders(&self, map: &NormalMap) -> bool {
+        map.width() == map.height() && matches!(map.width(), 16 | 32) && map.wrap() == Wrap::Repeat
     }
 }
 

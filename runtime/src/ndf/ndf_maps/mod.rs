@@ -622,7 +622,8 @@ impl Ndf for NdfMaps<'_> {
 
     /// The first two numbers draw a point of the footprint, the third the lobe there, and the last two, what is left of the third being
     /// drawn anew, a normal of it. Points are drawn as dense as lobes' positions are: one in nine is thrown away, and others take its
-    /// place that follow from the same four numbers.
+    /// place that follow from the same four numbers. Images of points, the paper's, are rougher than the lobes that are drawn from:
+    /// there [`pdf`](Ndf::pdf) is only about the density of samples.
     fn sample(
         &self,
         footprint: &Footprint,

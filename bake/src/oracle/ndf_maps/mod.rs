@@ -9,12 +9,15 @@
 //! Lobes of one texel's spacing ripple: their weights add up to 0.89 to 1.12. Densities are divided by the mean of that sum over the
 //! footprint.
 
+mod pieces;
+
 use super::gauss_legendre::GaussLegendre;
 use super::lobes::lattice::{Seed, seed};
 use crate::normals::NormalMap;
 use core::f64::consts::{FRAC_1_SQRT_2, TAU};
 use glintbake_format::model::{Footprint, HalfVector, LobeLattice, Wrap};
 use glintbake_format::view::Copied;
+use pieces::strips;
 
 /// Nodes of a strip of lines.
 const NODES: usize = 3;
@@ -71,14 +74,6 @@ pub struct Prepared {
     masses: Vec<f64>,
 }
 
-/// A copy that may be seen, its centre in texels from that of the footprint.
-struct Near {
-    copy: usize,
-    centre: [f64; 2],
-    /// Rows of M⁻¹.
-    inverse: [[f64; 2]; 2],
-}
-
 fn inverse([[xx, xy], [yx, yy]]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
     let determinant = xx * yy - xy * yx;
     [
@@ -99,7 +94,7 @@ impl Prepared {
     ///
     /// # Cost
     /// Proportional to the texels under the footprint, times the lines across each: six, or more where normals change by more
-    /// than `sigma` between them.
+    /// than `sigma` between them. Tiled copies are folded into one example where the footprint is wider than it.
     ///
     /// # Panics
     /// If a number of the footprint is not finite.
@@ -129,12 +124,7 @@ impl Prepared {
         }
         let [along, across] = edges;
         let near = surface.near(centre, 0.5 * (length(along) + length(across)));
-        // In texels of the example, where the finest copy has the most.
-        let finest = near
-            .iter()
-            .map(|near| length(times(near.inverse, across)))
-            .fold(0.0, f64::max);
-        let strips = (finest / surface.width_of_strips(sigma)).ceil().max(1.0) as usize;
+        let width = surface.width_of_strips(sigma);
         let seeds = surface.seeds();
         let mut prepared = Self {
             surface,
@@ -145,10 +135,16 @@ impl Prepared {
             seeds,
             masses: Vec::new(),
         };
-        let strip_rule = GaussLegendre::new(NODES);
-        for strip in 0..strips {
-            let edge = |strip: usize| strip as f64 / strips as f64 - 0.5;
-            for (b, share) in strip_rule.nodes(edge(strip), edge(strip + 1)) {
+        let rule = GaussLegendre::new(NODES);
+        // In texels of the example, where the finest copy has the most.
+        let finest = near
+            .iter()
+            .map(|near| length(times(near.inverse, across)))
+            .fold(f64::MIN_POSITIVE, f64::max);
+        if !prepared.surface.is_scattered && finest > f64::from(prepared.surface.example.width()) {
+            prepared.fold(&near[0], centre, [along, across], width, &rule);
+        } else {
+            for (b, share) in strips(&rule, -0.5, 0.5, width / finest) {
                 let middle = across.map(|edge| b * edge);
                 prepared.line(&near, centre, middle, along, share);
             }
@@ -166,6 +162,11 @@ impl Prepared {
     /// The share of the footprint that no copy covers.
     pub fn bare(&self) -> f64 {
         self.bare
+    }
+
+    /// What the positions of lobes add up to on average before densities are divided by it, bare ground counted as 1: 0.89 to 1.12.
+    pub fn total(&self) -> f64 {
+        self.total
     }
 
     /// Density `D(h)` for the kernel deviation `sigma`, per solid angle of h, which is that per area of the disk; 0 outside the unit
@@ -259,93 +260,6 @@ impl Prepared {
         let own = about(mean, sigma)?;
         let [s, t] = self.surface.shown(piece.copy, own);
         Some(HalfVector { s, t })
-    }
-
-    /// Adds the pieces of the line through `middle` along `along`, its centre being `from_centre` of the footprint at `centre`.
-    fn line(
-        &mut self,
-        near: &[Near],
-        centre: [f64; 2],
-        middle: [f64; 2],
-        along: [f64; 2],
-        weight: f64,
-    ) {
-        let half = 0.5 * f64::from(self.surface.example.width());
-        if !self.surface.is_scattered {
-            let [only] = near else { return };
-            // Copies go on without end, as the wrapped example does.
-            let from = [0, 1].map(|axis| centre[axis] + middle[axis] - only.centre[axis]);
-            let origin = times(only.inverse, from).map(|x| x + half);
-            self.pieces.push(Piece {
-                copy: 0,
-                origin,
-                step: times(only.inverse, along),
-                range: [-0.5, 0.5],
-                weight,
-            });
-            return;
-        }
-        let mut cuts = vec![-0.5, 0.5];
-        // The copies that the line crosses.
-        let mut met: Vec<&Near> = Vec::new();
-        for own in near {
-            let from = [0, 1].map(|axis| middle[axis] - own.centre[axis]);
-            let (at, step) = (times(own.inverse, from), times(own.inverse, along));
-            let (mut first, mut last) = (-0.5_f64, 0.5_f64);
-            for axis in 0..2 {
-                if step[axis] == 0.0 {
-                    if at[axis].abs() > half {
-                        last = first - 1.0;
-                    }
-                    continue;
-                }
-                let ends = [-half, half].map(|end| (end - at[axis]) / step[axis]);
-                first = first.max(ends[0].min(ends[1]));
-                last = last.min(ends[0].max(ends[1]));
-            }
-            if first <= last {
-                cuts.extend([first, last]);
-                met.push(own);
-            }
-        }
-        for (place, own) in met.iter().enumerate() {
-            for other in &met[..place] {
-                // |p - c|² = |p - d|², linear in a.
-                let apart = [0, 1].map(|axis| other.centre[axis] - own.centre[axis]);
-                let rise = apart[0] * along[0] + apart[1] * along[1];
-                let reach: f64 = (0..2)
-                    .map(|axis| {
-                        let between = 0.5 * (own.centre[axis] + other.centre[axis]);
-                        apart[axis] * (between - middle[axis])
-                    })
-                    .sum();
-                if rise != 0.0 {
-                    cuts.push(reach / rise);
-                }
-            }
-        }
-        cuts.retain(|cut| (-0.5..=0.5).contains(cut));
-        cuts.sort_by(f64::total_cmp);
-        for pair in cuts.windows(2) {
-            let length = pair[1] - pair[0];
-            if length <= 0.0 {
-                continue;
-            }
-            let a = 0.5 * (pair[0] + pair[1]);
-            let point = [0, 1].map(|axis| middle[axis] + a * along[axis]);
-            let Some(owner) = owner(&met, point, half) else {
-                self.bare += weight * length;
-                continue;
-            };
-            let from = [0, 1].map(|axis| middle[axis] - owner.centre[axis]);
-            self.pieces.push(Piece {
-                copy: owner.copy,
-                origin: times(owner.inverse, from).map(|x| x + half),
-                step: times(owner.inverse, along),
-                range: [pair[0], pair[1]],
-                weight,
-            });
-        }
     }
 
     /// The integral over a of all lobes at `query`'s normal and roughness, or of their positions alone.
@@ -455,62 +369,7 @@ impl Prepared {
     }
 }
 
-/// The nearest centre of all copies that cover `point`.
-fn owner<'n>(near: &[&'n Near], point: [f64; 2], half: f64) -> Option<&'n Near> {
-    let from = |near: &Near| [0, 1].map(|axis: usize| point[axis] - near.centre[axis]);
-    near.iter()
-        .copied()
-        .filter(|near| {
-            times(near.inverse, from(near))
-                .iter()
-                .all(|x| x.abs() <= half)
-        })
-        .min_by(|x, y| {
-            let square = |near: &Near| {
-                let [x, y] = from(near);
-                x * x + y * y
-            };
-            square(x).total_cmp(&square(y))
-        })
-}
-
 impl Surface {
-    /// The copies within `reach` texels of `centre`, with the tiles of texture space they are in; of tiled ones, the first.
-    fn near(&self, centre: [f64; 2], reach: f64) -> Vec<Near> {
-        if !self.is_scattered {
-            let copy = self.copies[0];
-            return vec![Near {
-                copy: 0,
-                centre: copy.centre,
-                inverse: inverse(copy.matrix),
-            }];
-        }
-        let size = f64::from(self.size);
-        let half = 0.5 * f64::from(self.example.width());
-        let mut near = Vec::new();
-        for (number, copy) in self.copies.iter().enumerate() {
-            let [[xx, xy], [yx, yy]] = copy.matrix;
-            // No corner is farther than all entries together take it.
-            let own = half * (xx.abs() + xy.abs() + yx.abs() + yy.abs());
-            let tiles = |axis: usize| {
-                let from = copy.centre[axis] - centre[axis];
-                let low = ((-reach - own - from) / size).ceil() as i64;
-                low..=((reach + own - from) / size).floor() as i64
-            };
-            for row in tiles(1) {
-                for column in tiles(0) {
-                    let shift = [column as f64 * size, row as f64 * size];
-                    near.push(Near {
-                        copy: number,
-                        centre: [0, 1].map(|axis| copy.centre[axis] - centre[axis] + shift[axis]),
-                        inverse: inverse(copy.matrix),
-                    });
-                }
-            }
-        }
-        near
-    }
-
     /// The lobes of the example and of two texels beyond it on each side, row by row.
     fn seeds(&self) -> Vec<Seed> {
         let lattice = LobeLattice {
